@@ -1,0 +1,60 @@
+//! The receive and the transmit task: frames in, frames out.
+
+use canter_shared::wire::frame::Frame;
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
+use embassy_sync::signal::Signal;
+
+use crate::node::SharedNode;
+use crate::now;
+use crate::port::{CanReceive, CanTransmit};
+
+/// How the tasks wake each other.
+#[derive(Default)]
+pub struct Signals {
+    /// For the transmit task: the node may have something to send.
+    pub(crate) transmit: Signal<CriticalSectionRawMutex, ()>,
+    /// For the 1 kHz task: the next tick has moved.
+    pub(crate) retimed: Signal<CriticalSectionRawMutex, ()>,
+}
+
+impl Signals {
+    /// Nobody is woken.
+    pub const fn new() -> Self {
+        Self {
+            transmit: Signal::new(),
+            retimed: Signal::new(),
+        }
+    }
+}
+
+/// Hands every frame to the node.
+pub async fn receive(node: &SharedNode, signals: &Signals, mut port: impl CanReceive) -> ! {
+    loop {
+        let received = port.receive().await;
+        let retimed = node.lock(|node| {
+            let mut node = node.borrow_mut();
+            let before = node.next_tick();
+            node.handle_frame(received.at, &received.frame);
+            node.next_tick() != before
+        });
+        if retimed {
+            signals.retimed.signal(());
+        }
+        signals.transmit.signal(());
+    }
+}
+
+/// Sends whatever the node wants to be sent.
+pub async fn transmit(node: &SharedNode, signals: &Signals, mut port: impl CanTransmit) -> ! {
+    loop {
+        while let Some(frame) = next(node) {
+            port.transmit(&frame).await;
+        }
+        signals.transmit.wait().await;
+    }
+}
+
+/// The lock ends here, before anybody waits for the hardware.
+fn next(node: &SharedNode) -> Option<Frame> {
+    node.lock(|node| node.borrow_mut().poll_transmit(now()))
+}

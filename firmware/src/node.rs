@@ -1,0 +1,103 @@
+//! The node that the tasks share.
+
+use core::cell::RefCell;
+use core::sync::atomic::{Ordering, compiler_fence};
+
+use canter_shared::drive::simulated::Simulated;
+use canter_shared::limits::Limits;
+use canter_shared::node::{Board, Identity, Node};
+use canter_shared::units::Position;
+use canter_shared::wire::id::AxisId;
+use cortex_m::register::{basepri, basepri_max};
+use embassy_sync::blocking_mutex::Mutex;
+use embassy_sync::blocking_mutex::raw::RawMutex;
+
+use crate::priority;
+
+/// Axes of one node: a leg's worth.
+pub const AXES: usize = 3;
+
+/// The id of a node's first axis; the others follow it. `CANTER_FIRST_AXIS=4 cargo build ...`
+/// builds the second leg's image.
+pub const FIRST_AXIS: u8 = match option_env!("CANTER_FIRST_AXIS") {
+    Some(text) => {
+        let id = number(text);
+        assert!(
+            id >= 1 && id <= 64 - AXES as u8,
+            "CANTER_FIRST_AXIS must be a number from 1 to 61: a node's three axes have ids up to 63"
+        );
+        id
+    }
+    None => 1,
+};
+
+/// This firmware's version, as the scan shows it.
+pub const VERSION: [u8; 3] = [
+    number(env!("CARGO_PKG_VERSION_MAJOR")),
+    number(env!("CARGO_PKG_VERSION_MINOR")),
+    number(env!("CARGO_PKG_VERSION_PATCH")),
+];
+
+/// A number of up to two decimal digits; 0 for anything else.
+const fn number(text: &str) -> u8 {
+    match *text.as_bytes() {
+        [ones @ b'0'..=b'9'] => ones - b'0',
+        [tens @ b'0'..=b'9', ones @ b'0'..=b'9'] => (tens - b'0') * 10 + (ones - b'0'),
+        _ => 0,
+    }
+}
+
+/// The node behind its lock.
+///
+/// Whoever holds the lock holds off the 1 kHz task, but neither the CAN interrupt nor the time
+/// driver, so frames are still taken and stamped. The longest holder is `handle_frame`: some
+/// thousand instructions to plan a move, so 5 000 cycles at 170 MHz are 30 us of 1 000 by which a
+/// tick may be late. The setpoint is evaluated for its tick, not for the instant of the call, so
+/// lateness is jitter on the drive port and never a wrong position. That is accepted for now;
+/// planning on a copy outside of the lock would end it.
+pub type SharedNode = Mutex<CeilingMutex, RefCell<Node<Simulated, AXES>>>;
+
+/// A node with simulated drives, all axes at position zero and disabled.
+///
+/// # Panics
+/// Never: [`FIRST_AXIS`] is checked at compile time and the axes fit by count.
+pub fn new(chip: [u8; 12], board: Board) -> SharedNode {
+    let mut node = Node::new(Identity {
+        chip,
+        firmware: VERSION,
+        board,
+    });
+    for id in (FIRST_AXIS..).take(AXES) {
+        let added = AxisId::new(id).map(|axis| {
+            node.add_axis(axis, Limits::default(), Simulated::new(Position::ZERO))
+        });
+        assert!(matches!(added, Some(Ok(()))), "an axis was refused");
+    }
+    Mutex::new(RefCell::new(node))
+}
+
+/// A lock that raises the processor's priority to the 1 kHz task's while it is held.
+///
+/// A critical section would do too, but it would also hold off the CAN interrupt: a SYNC that
+/// comes while a move is planned would be stamped late and bend the clock's discipline.
+#[derive(Debug)]
+pub struct CeilingMutex(());
+
+// SAFETY: the lock excludes whoever runs at or below the ceiling, and nobody above it takes it:
+// only `control::run` (at the ceiling) and `bus::receive` and `bus::transmit` (below it) do, at the
+// priorities of `crate::priority`. A nested lock keeps the ceiling until the outer one ends.
+unsafe impl RawMutex for CeilingMutex {
+    const INIT: Self = Self(());
+
+    fn lock<R>(&self, f: impl FnOnce() -> R) -> R {
+        let before = basepri::read();
+        basepri_max::write(priority::register(priority::CONTROL));
+        // The register write is no memory access to the compiler: keep the accesses inside.
+        compiler_fence(Ordering::SeqCst);
+        let result = f();
+        compiler_fence(Ordering::SeqCst);
+        // SAFETY: this restores what this call found, so an outer lock stays in force.
+        unsafe { basepri::write(before) };
+        result
+    }
+}

@@ -1,0 +1,254 @@
+//! One axis: who may move it, what it is doing, and when it must stop.
+//!
+//! The promise above all others: whatever frames arrive, in whatever order, lost, doubled or
+//! forged, the setpoints never leave the limits and never jump. Loss of the host or of the drive
+//! leads to a controlled stop, then to a latched fault. Nothing resumes motion by itself.
+//! Enabling starts from where the drive is, never from an old target.
+//!
+//! The axis is sans-IO. Its owner calls `handle_frame` and `handle_drive` when something arrives,
+//! `tick` exactly once for each tick, and `poll_transmit` until there is nothing left to send.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `command` | what each command does, and its answer |
+//! | `commander` | who holds the axis |
+//! | `supervision` | drive and host watched; the state machine |
+//! | `state`, `fault` | their tables |
+//! | `telemetry` | what is sent, and when |
+
+mod command;
+mod commander;
+pub mod fault;
+pub mod state;
+mod supervision;
+mod telemetry;
+
+use crate::drive::{Condition, DriveCommand, DriveReport};
+use crate::limits::Limits;
+use crate::motion::{Motion, Move, Setpoint};
+use crate::time::{BusTime, Tick, Ticks};
+use crate::units::Position;
+use crate::wire::command::Session;
+use crate::wire::frame::Frame;
+use crate::wire::id::AxisId;
+use crate::wire::reason::Reason;
+use crate::wire::report::Report;
+use commander::Commander;
+use fault::Fault;
+use state::State;
+pub use telemetry::Counters;
+use telemetry::{Due, Telemetry};
+
+/// Silence of the holding session after which an axis stops: the parameter `host.timeout`, 0.25 s.
+pub const HOST_TIMEOUT: Ticks = Ticks(250);
+
+/// What became of a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[must_use]
+pub enum Outcome {
+    /// It was not a command for this axis.
+    Ignored,
+    /// It was taken; an answer is waiting where the command has one.
+    Accepted,
+    /// It was refused; the answer with the reason is waiting.
+    Rejected(Reason),
+    /// It was a repetition; the first answer is waiting again.
+    Repeated,
+}
+
+/// What an axis is to do once it has come to rest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Request {
+    Enable,
+    Disable,
+}
+
+/// A move that waits for its trigger.
+#[derive(Debug, Clone, Copy)]
+struct Staged {
+    sequence: u8,
+    asked: Move,
+}
+
+/// A move whose start is still to be reported.
+#[derive(Debug, Clone, Copy)]
+struct Departure {
+    sequence: u8,
+    start: Tick,
+}
+
+/// One axis.
+#[derive(Debug, Clone)]
+pub struct Axis {
+    id: AxisId,
+    limits: Limits,
+    state: State,
+    fault: Option<Fault>,
+    /// When the state was entered.
+    since: Tick,
+    request: Option<Request>,
+    motion: Motion,
+    setpoint: Setpoint,
+    /// The tick of the setpoint above, and the bus time at which it was handed over.
+    tick: Tick,
+    handed_over: BusTime,
+    drive: Option<DriveReport>,
+    commander: Commander,
+    staged: Option<Staged>,
+    /// Ramps for the next trapezoid: acceleration, deceleration.
+    shape: Option<(Ticks, Ticks)>,
+    departure: Option<Departure>,
+    last_command: Option<(Frame, Report)>,
+    last_trigger: Option<Frame>,
+    telemetry: Telemetry,
+    counters: Counters,
+}
+
+impl Axis {
+    /// An axis that waits for the first word from its drive.
+    pub fn new(id: AxisId, limits: Limits) -> Self {
+        Self {
+            id,
+            limits,
+            state: State::NotReadyToSwitchOn,
+            fault: None,
+            since: Tick(0),
+            request: None,
+            motion: Motion::at_rest(Position::ZERO),
+            setpoint: Setpoint::default(),
+            tick: Tick(0),
+            handed_over: BusTime(0),
+            drive: None,
+            commander: Commander::default(),
+            staged: None,
+            shape: None,
+            departure: None,
+            last_command: None,
+            last_trigger: None,
+            telemetry: Telemetry::new(id.get()),
+            counters: Counters::default(),
+        }
+    }
+
+    /// The axis's number on the bus.
+    pub fn id(&self) -> AxisId {
+        self.id
+    }
+
+    /// What the axis may do.
+    pub fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
+    /// The state of the axis.
+    pub fn state(&self) -> State {
+        self.state
+    }
+
+    /// The latched fault, if any.
+    pub fn fault(&self) -> Option<Fault> {
+        self.fault
+    }
+
+    /// The session that holds the axis, if any.
+    pub fn session(&self) -> Option<Session> {
+        self.commander.session()
+    }
+
+    /// The counters, whose bus part the owner keeps.
+    pub fn counters_mut(&mut self) -> &mut Counters {
+        &mut self.counters
+    }
+
+    /// Whether the setpoint changes, or will without another command.
+    pub fn is_moving(&self) -> bool {
+        self.motion.is_moving(self.tick)
+    }
+
+    /// Takes what the drive said.
+    pub fn handle_drive(&mut self, report: DriveReport) {
+        self.drive = Some(report);
+    }
+
+    /// The setpoint of `tick`, handed over at bus time `now`; called once for each tick in turn.
+    pub fn tick(&mut self, tick: Tick, now: BusTime) -> Setpoint {
+        self.tick = tick;
+        self.handed_over = now;
+        self.supervise();
+        if self.state.drives() {
+            self.setpoint = self.motion.at(tick);
+            let was_moving = self.motion.end().is_some();
+            self.motion.fold(tick);
+            if was_moving && self.motion.end().is_none() {
+                self.telemetry.hasten();
+            }
+        }
+        if let Some(departure) = self.departure
+            && departure.start <= tick
+        {
+            self.departure = None;
+            self.telemetry.started(departure.sequence, now);
+        }
+        self.telemetry.tick(tick);
+        self.setpoint
+    }
+
+    /// What to tell the drive at this tick.
+    pub fn drive_command(&self) -> DriveCommand {
+        DriveCommand {
+            enable: self.state.drives(),
+            position: self.setpoint.position,
+            velocity: self.setpoint.velocity,
+            acceleration: self.setpoint.acceleration,
+        }
+    }
+
+    /// The next frame to send, until there is none.
+    pub fn poll_transmit(&mut self) -> Option<Frame> {
+        let report = match self.telemetry.next()? {
+            Due::Report(report) => report,
+            Due::Feedback => self.feedback(),
+            Due::Heartbeat => self.heartbeat(),
+        };
+        Some(report.encode(self.id))
+    }
+
+    fn feedback(&self) -> Report {
+        let (position, velocity) = match self.drive {
+            Some(report) => (report.position, report.velocity),
+            None => (self.setpoint.position, self.setpoint.velocity),
+        };
+        Report::Feedback {
+            position,
+            velocity,
+            state: self.state.into(),
+            moving: self.is_moving(),
+        }
+    }
+
+    fn heartbeat(&self) -> Report {
+        Report::Heartbeat {
+            state: self.state.into(),
+            fault: self.fault.map_or(0, u8::from),
+            session: self.commander.session().unwrap_or(0),
+            bus_off: self.counters.bus_off,
+            error_frames: self.counters.error_frames,
+            lost: self.counters.lost,
+            rejected: self.counters.rejected,
+        }
+    }
+
+    /// Follows a step of the bus clock to `tick`, which happens at rest only.
+    pub fn rebase(&mut self, tick: Tick) {
+        self.tick = tick;
+        self.since = tick;
+        self.commander.rebase(tick);
+        self.motion.fold(Tick(u64::MAX));
+        self.departure = None;
+    }
+
+    fn drive_is_enabled(&self) -> bool {
+        self.drive
+            .is_some_and(|report| report.condition == Condition::Enabled)
+    }
+}

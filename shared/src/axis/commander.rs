@@ -1,0 +1,65 @@
+//! Who commands an axis: one session at a time, alive as long as it beats.
+
+use crate::time::{Tick, Ticks};
+use crate::wire::command::Session;
+
+/// Half of the sequence numbers: one that is ahead by no more than this is new.
+const AHEAD: u8 = 127;
+
+/// The session that holds the axis, if any, and the number of its last command.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Commander {
+    session: Option<Session>,
+    heard: Tick,
+    sequence: u8,
+}
+
+impl Commander {
+    pub(super) fn session(&self) -> Option<Session> {
+        self.session
+    }
+
+    /// Takes the axis for `session` where it is free or held by the same; numbers begin anew.
+    pub(super) fn hold(&mut self, session: Session, sequence: u8, now: Tick) -> Result<(), Session> {
+        match self.session {
+            Some(holder) if holder != session => Err(holder),
+            _ => {
+                self.session = Some(session);
+                self.heard = now;
+                self.sequence = sequence;
+                Ok(())
+            }
+        }
+    }
+
+    pub(super) fn release(&mut self) {
+        self.session = None;
+    }
+
+    pub(super) fn hear(&mut self, session: Session, now: Tick) {
+        if self.session == Some(session) {
+            self.heard = now;
+        }
+    }
+
+    /// Whether the session has been silent for longer than `timeout`.
+    pub(super) fn is_silent(&self, now: Tick, timeout: Ticks) -> bool {
+        self.session.is_some() && now.since(self.heard) > timeout
+    }
+
+    /// Takes the next command's number, or gives the last one where this is not ahead of it.
+    pub(super) fn advance(&mut self, sequence: u8) -> Result<(), u8> {
+        let ahead = sequence.wrapping_sub(self.sequence);
+        if (1..=AHEAD).contains(&ahead) {
+            self.sequence = sequence;
+            Ok(())
+        } else {
+            Err(self.sequence)
+        }
+    }
+
+    /// Follows a step of the bus clock: silence is counted from `now`.
+    pub(super) fn rebase(&mut self, now: Tick) {
+        self.heard = now;
+    }
+}

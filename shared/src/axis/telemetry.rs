@@ -1,0 +1,91 @@
+//! What an axis has to say and when: answers at once, feedback and heartbeat at their rates.
+
+use crate::time::{BusTime, Tick};
+use crate::wire::report::Report;
+use heapless::Deque;
+
+/// Ticks between two feedback frames: 50 Hz. Twelve axes then take 12 * 50 * 135 us = 8 % of a
+/// bus of 1 Mbit/s.
+const FEEDBACK_PERIOD: u64 = 20;
+
+/// Ticks between two heartbeats: 10 Hz.
+const HEARTBEAT_PERIOD: u64 = 100;
+
+/// Ticks by which the axes' periods are shifted against each other, times the axis id, so that
+/// they do not all speak at once.
+const STAGGER: u64 = 7;
+
+/// Answers that may wait: commands that arrive between two chances to send. One more is dropped,
+/// and its host asks again.
+const WAITING: usize = 8;
+
+/// Counters of one axis's bus, which wrap.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Counters {
+    /// Times that the node was off the bus.
+    pub bus_off: u8,
+    /// Error frames seen.
+    pub error_frames: u8,
+    /// Receptions lost.
+    pub lost: u8,
+    /// Commands rejected.
+    pub rejected: u8,
+}
+
+/// The outgoing side of an axis.
+#[derive(Debug, Clone)]
+pub(super) struct Telemetry {
+    answers: Deque<Report, WAITING>,
+    stagger: u64,
+    feedback_due: bool,
+    heartbeat_due: bool,
+}
+
+/// What is to be sent next.
+pub(super) enum Due {
+    Report(Report),
+    Feedback,
+    Heartbeat,
+}
+
+impl Telemetry {
+    pub(super) fn new(axis: u8) -> Self {
+        Self {
+            answers: Deque::new(),
+            stagger: STAGGER * u64::from(axis),
+            feedback_due: false,
+            heartbeat_due: true,
+        }
+    }
+
+    /// Queues an answer; `false` where there was no room.
+    pub(super) fn answer(&mut self, report: Report) -> bool {
+        self.answers.push_back(report).is_ok()
+    }
+
+    /// Asks for feedback and heartbeat now: something changed that a host waits for.
+    pub(super) fn hasten(&mut self) {
+        self.feedback_due = true;
+        self.heartbeat_due = true;
+    }
+
+    pub(super) fn tick(&mut self, tick: Tick) {
+        let shifted = tick.0.wrapping_add(self.stagger);
+        self.feedback_due |= shifted.is_multiple_of(FEEDBACK_PERIOD);
+        self.heartbeat_due |= shifted.is_multiple_of(HEARTBEAT_PERIOD);
+    }
+
+    pub(super) fn next(&mut self) -> Option<Due> {
+        if let Some(report) = self.answers.pop_front() {
+            return Some(Due::Report(report));
+        }
+        if core::mem::take(&mut self.feedback_due) {
+            return Some(Due::Feedback);
+        }
+        core::mem::take(&mut self.heartbeat_due).then_some(Due::Heartbeat)
+    }
+
+    pub(super) fn started(&mut self, sequence: u8, time: BusTime) -> bool {
+        self.answer(Report::Started { sequence, time })
+    }
+}

@@ -1,0 +1,265 @@
+//! The beta S-curve with p = 5/2: the smoothest profile that one formula gives.
+//!
+//! Rest to rest over a range R in a duration T, with x = 2 t / T - 1 in [-1, 1] and u = t / T:
+//!
+//! ```text
+//! position      F(x)   = 1/2 + (asin x + x sqrt(1-x^2) (33 - 26 x^2 + 8 x^4) / 15) / pi
+//! velocity      F'(x)  = 16 / (5 pi) (1 - x^2)^(5/2)         peak  32 / (5 pi)     R / T
+//! acceleration  F''(x) = -16 / pi x (1 - x^2)^(3/2)          peak  12 sqrt(3) / pi R / T^2
+//! jerk          F'''(x) = -16 / pi sqrt(1 - x^2) (1 - 4 x^2) peak  128 / pi        R / T^3
+//! ```
+//!
+//! F is the incomplete beta function with both parameters p + 1 = 7/2. Of all p, 5/2 has the
+//! least peak jerk, because the jerk's peaks in the middle and at x = +-sqrt(3)/2 are equal there.
+//!
+//! [`Beta`] is the device's evaluator, in integers; [`exact`] is the same curve in f64.
+
+pub mod exact;
+
+use super::Setpoint;
+use super::fixed::{ALMOST_ONE, multiply, scale, square_root};
+use crate::limits::Limits;
+use crate::time::{LONGEST_MOVE, TICKS_PER_SECOND, Tick, Ticks};
+use crate::units::{Acceleration, Position, Velocity};
+use core::f64::consts::PI;
+
+/// Peak velocity of the unit curve: 32 / (5 pi) R / T.
+pub const PEAK_VELOCITY: f64 = 32.0 / (5.0 * PI);
+/// Peak acceleration of the unit curve: 12 sqrt(3) / pi R / T^2, at x = +-1/2.
+pub const PEAK_ACCELERATION: f64 = 12.0 * 1.732_050_807_568_877_2 / PI;
+/// Peak jerk of the unit curve: 128 / pi R / T^3.
+pub const PEAK_JERK: f64 = 128.0 / PI;
+
+/// P with F(u) = u^(7/2) P(u) on u in [0, 1/2], from the highest power down, in Q57.
+///
+/// Near-minimax for the absolute error of F (Remez exchange with weight u^(7/2), 50 digits): the
+/// largest error is 1.21e-13 of the range.
+const SHAPE: [i64; 10] = [
+    -6_797_497_645_507_032,
+    11_209_428_717_290_636,
+    -14_099_453_406_849_970,
+    2_024_905_913_253_145,
+    -15_479_074_703_165_042,
+    -48_321_007_657_821_566,
+    -451_771_095_778_612_163,
+    3_202_798_908_428_918_277,
+    -5_219_361_393_369_625_530,
+    2_684_242_757_053_001_771,
+];
+
+/// Bits behind the point in [`SHAPE`].
+const SHAPE_BITS: u32 = 57;
+
+/// 16 / (3 sqrt 3) in Q60: the reciprocal of the largest |x| (1 - x^2)^(3/2), which is at x = 1/2.
+const ACCELERATION_SHAPE: u64 = 3_550_077_552_209_447_936;
+
+/// Bits by which a range in counts is raised for the product with the shape: a difference of two
+/// positions is below 2^44 counts, so 19 bits would still fit an i64.
+const RANGE_BITS: u32 = 18;
+
+/// One beta move, rest to rest, in integers: a difference of position laid over a base.
+///
+/// The position's error against the exact curve is below 1e-12 of the range, and the last tick is
+/// exact. Velocity and acceleration are rounded towards zero, so that neither passes its peak.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Beta {
+    start: Tick,
+    duration: Ticks,
+    range: i64,
+    /// floor(2^64 / duration): one tick as a fraction of the duration.
+    step: u64,
+    /// Counts per second.
+    peak_velocity: i64,
+    /// Counts per second squared.
+    peak_acceleration: i64,
+}
+
+/// What one or several moves add to a base: counts, counts/s and counts/s^2.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Contribution {
+    pub position: i64,
+    pub velocity: i64,
+    pub acceleration: i64,
+}
+
+impl Beta {
+    /// A move by `range` that starts to move after `start` and rests from `start + duration` on.
+    ///
+    /// A duration of zero is taken as one tick. Whether the move keeps any limits is not looked
+    /// at here: see [`Self::shortest`] and [`Self::keeps`].
+    pub fn new(start: Tick, range: Position, duration: Ticks) -> Self {
+        let duration = Ticks(duration.0.max(1));
+        let seconds = duration.seconds();
+        let range = range.counts();
+        let magnitude = range.unsigned_abs() as f64;
+        Self {
+            start,
+            duration,
+            range,
+            step: if duration.0 == 1 {
+                ALMOST_ONE
+            } else {
+                // floor((2^64 - 1) / N) = floor(2^64 / N) unless N is a power of two, where it is
+                // one unit of 2^-64 less.
+                ALMOST_ONE / u64::from(duration.0)
+            },
+            // Saturating conversions: a nonsensical move has a nonsensical peak, and is refused.
+            peak_velocity: (PEAK_VELOCITY * magnitude / seconds) as i64,
+            peak_acceleration: (PEAK_ACCELERATION * magnitude / (seconds * seconds)) as i64,
+        }
+    }
+
+    /// The least duration in which `range` keeps velocity, acceleration, deceleration and jerk
+    /// limits; `None` where that is longer than [`LONGEST_MOVE`].
+    ///
+    /// The curve is symmetric, so the lesser of acceleration and deceleration counts.
+    pub fn shortest(range: Position, limits: &Limits) -> Option<Ticks> {
+        let magnitude = range.abs().counts() as f64;
+        let slowest = limits.slower_acceleration().counts() as f64;
+        let by_velocity = PEAK_VELOCITY * magnitude / limits.velocity().counts() as f64;
+        let by_acceleration = libm::sqrt(PEAK_ACCELERATION * magnitude / slowest);
+        let by_jerk = libm::cbrt(PEAK_JERK * magnitude / limits.jerk().counts() as f64);
+        let seconds = by_velocity.max(by_acceleration).max(by_jerk);
+        let mut duration = Ticks(Ticks::from_seconds_ceil(seconds)?.0.max(1));
+        // Rounding may leave a peak one count over; one tick more brings it under.
+        while !Self::new(Tick(0), range, duration).keeps(limits) {
+            duration = Ticks(duration.0 + 1);
+            if duration > LONGEST_MOVE {
+                return None;
+            }
+        }
+        Some(duration)
+    }
+
+    /// Whether the move keeps the velocity, acceleration and deceleration limits.
+    pub fn keeps(&self, limits: &Limits) -> bool {
+        self.peak_velocity() <= limits.velocity()
+            && self.peak_acceleration() <= limits.slower_acceleration()
+    }
+
+    /// The largest velocity of the move, without its sign.
+    pub fn peak_velocity(&self) -> Velocity {
+        Velocity::from_counts(self.peak_velocity)
+    }
+
+    /// The largest acceleration and deceleration of the move, without their sign.
+    pub fn peak_acceleration(&self) -> Acceleration {
+        Acceleration::from_counts(self.peak_acceleration)
+    }
+
+    /// The tick at which the move leaves its start.
+    pub fn start(&self) -> Tick {
+        self.start
+    }
+
+    /// How long the move lasts.
+    pub fn duration(&self) -> Ticks {
+        self.duration
+    }
+
+    /// The first tick at which the move has arrived.
+    pub fn end(&self) -> Tick {
+        self.start.after(self.duration)
+    }
+
+    /// The difference of position that the move makes.
+    pub fn range(&self) -> Position {
+        Position::from_counts(self.range)
+    }
+
+    /// The move's own setpoint at `tick`, with the start as position zero.
+    pub fn at(&self, tick: Tick) -> Setpoint {
+        let part = self.contribution(tick);
+        Setpoint {
+            position: Position::from_counts(part.position),
+            velocity: Velocity::from_counts(part.velocity),
+            acceleration: Acceleration::from_counts(part.acceleration),
+        }
+    }
+
+    /// The difference of position from the start at `tick`.
+    #[inline]
+    pub fn position(&self, tick: Tick) -> Position {
+        let elapsed = tick.since(self.start).0;
+        let position = if elapsed >= self.duration.0 {
+            self.range
+        } else {
+            self.offset(elapsed)
+        };
+        Position::from_counts(position)
+    }
+
+    /// Everything at `tick`: nothing before the start, the whole range from the end on.
+    #[inline]
+    pub(crate) fn contribution(&self, tick: Tick) -> Contribution {
+        let elapsed = tick.since(self.start).0;
+        if elapsed == 0 {
+            return Contribution::default();
+        }
+        if elapsed >= self.duration.0 {
+            return Contribution {
+                position: self.range,
+                ..Contribution::default()
+            };
+        }
+        let fraction = u64::from(elapsed) * self.step;
+        // q = 4 u (1 - u) = 1 - x^2, below one but for rounding.
+        let product = multiply(fraction, fraction.wrapping_neg());
+        let q = product.checked_mul(4).unwrap_or(ALMOST_ONE);
+        // sqrt(4 w) = 2 sqrt(w).
+        let root = square_root(product).saturating_mul(2);
+        let three_halves = multiply(q, root);
+        let velocity = scale(self.peak_velocity, multiply(three_halves, q));
+        // |x| = |1 - 2 u|, and the shape's product with 16 / (3 sqrt 3) / 16 is at most 1/16.
+        let first_half = elapsed <= self.duration.0 / 2;
+        let distance = if first_half {
+            (fraction.wrapping_neg()).saturating_sub(fraction)
+        } else {
+            fraction.saturating_sub(fraction.wrapping_neg())
+        };
+        let shape = multiply(multiply(distance, three_halves), ACCELERATION_SHAPE);
+        let shape = shape.checked_mul(16).unwrap_or(ALMOST_ONE);
+        let acceleration = scale(self.peak_acceleration, shape);
+        let backward = self.range < 0;
+        Contribution {
+            position: self.offset(elapsed),
+            velocity: if backward { -velocity } else { velocity },
+            acceleration: if backward == first_half {
+                -acceleration
+            } else {
+                acceleration
+            },
+        }
+    }
+
+    /// The position at a tick inside the move, `elapsed` in 1..duration.
+    ///
+    /// The second half is the first one seen from the end, which keeps the curve symmetric to the
+    /// last bit and the polynomial's argument at or below one half.
+    #[inline]
+    fn offset(&self, elapsed: u32) -> i64 {
+        let left = self.duration.0 - elapsed;
+        if elapsed <= left {
+            self.first_half(elapsed)
+        } else {
+            self.range - self.first_half(left)
+        }
+    }
+
+    /// range * F(u) for u = elapsed / duration in [0, 1/2], rounded to the nearest count.
+    #[inline(always)]
+    fn first_half(&self, elapsed: u32) -> i64 {
+        let fraction = u64::from(elapsed) * self.step;
+        let polynomial = SHAPE
+            .into_iter()
+            .reduce(|sum, coefficient| scale(sum, fraction) + coefficient)
+            .unwrap_or(0);
+        let cube = multiply(multiply(fraction, fraction), fraction);
+        let power = multiply(cube, square_root(fraction));
+        // P is positive and F at most 1/2: Q57 times Q64 >> 64 is Q57, and 7 bits more are Q64.
+        let shape = multiply(polynomial.unsigned_abs(), power) << (64 - SHAPE_BITS);
+        let magnitude = multiply(self.range.unsigned_abs() << RANGE_BITS, shape);
+        let rounded = ((magnitude + (1 << (RANGE_BITS - 1))) >> RANGE_BITS) as i64;
+        if self.range < 0 { -rounded } else { rounded }
+    }
+}

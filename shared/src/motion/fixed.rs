@@ -1,0 +1,96 @@
+//! Fixed-point arithmetic for the tick: multiplication and square root on 64-bit fractions.
+//!
+//! A fraction is a `u64` in Q64: the value is the integer times 2^-64. Everything is built from
+//! 32 x 32 -> 64 bit products, which a Cortex-M4 does in one instruction, and from f32 additions
+//! and multiplications, which IEEE 754 fixes to the bit; so every machine gets the same results.
+
+/// 1 - 2^-64: as near to one as a Q64 fraction gets.
+pub(crate) const ALMOST_ONE: u64 = u64::MAX;
+
+/// `a * b` of two Q64 fractions; at most 3 units of 2^-64 below the exact product, never above.
+///
+/// The product of the low halves is left out: it can only change the last place.
+#[inline(always)]
+pub(crate) const fn multiply(a: u64, b: u64) -> u64 {
+    let (a_high, a_low) = (a >> 32, a & 0xFFFF_FFFF);
+    let (b_high, b_low) = (b >> 32, b & 0xFFFF_FFFF);
+    a_high * b_high + ((a_high * b_low) >> 32) + ((a_low * b_high) >> 32)
+}
+
+/// `value * fraction` for a signed value; at most 3 below the exact product, never above.
+#[inline(always)]
+pub(crate) const fn scale(value: i64, fraction: u64) -> i64 {
+    let (value_high, value_low) = (value >> 32, value & 0xFFFF_FFFF);
+    let (high, low) = ((fraction >> 32) as i64, (fraction & 0xFFFF_FFFF) as i64);
+    // |value_high| <= 2^31 and the others are below 2^32: no product leaves an i64, but the last
+    // one can pass its sign bit, so it is taken without a sign.
+    value_high * high
+        + ((value_high * low) >> 32)
+        + ((value_low as u64).wrapping_mul(high as u64) >> 32) as i64
+}
+
+/// The square root of a Q64 fraction, with a relative error below 2^-44.
+///
+/// A first guess of the reciprocal root comes from the f32's bits and three Newton steps in f32
+/// (24 bits); one more step in integers doubles that.
+#[inline(always)]
+pub(crate) fn square_root(value: u64) -> u64 {
+    if value == 0 {
+        return 0;
+    }
+    // An even shift brings the value into [1/4, 1) and comes out of the root halved.
+    let shift = value.leading_zeros() & !1;
+    let normal = value << shift;
+    let approximate = (normal >> 40) as u32 as f32 * (1.0 / (1u32 << 24) as f32);
+    let half = approximate * 0.5;
+    // The exponent's half, negated, with the constant that spreads the error evenly.
+    let mut reciprocal = f32::from_bits(0x5F37_59DF - (approximate.to_bits() >> 1));
+    reciprocal = reciprocal * (1.5 - half * reciprocal * reciprocal);
+    reciprocal = reciprocal * (1.5 - half * reciprocal * reciprocal);
+    reciprocal = reciprocal * (1.5 - half * reciprocal * reciprocal);
+    // Q30; it lies in (1, 2], so it fits 32 bits.
+    let reciprocal = (reciprocal * (1u32 << 30) as f32) as u32;
+    let root = (((normal >> 32) * reciprocal as u64) >> 30).min(0xFFFF_FFFF);
+    // The remainder is below 2^43 in magnitude: 12 bits fewer and it fits an i32.
+    let remainder = (normal as i64).wrapping_sub((root * root) as i64) >> 12;
+    let correction = (remainder * reciprocal as i64) >> (30 + 1 - 12);
+    ((root << 32).saturating_add_signed(correction)) >> (shift / 2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(20_000))]
+
+        #[test]
+        fn products_are_within_three_units(a: u64, b: u64, value: i64) {
+            let exact = ((u128::from(a) * u128::from(b)) >> 64) as u64;
+            prop_assert!(exact - multiply(a, b) <= 3);
+            let exact = ((i128::from(value) * i128::from(b)) >> 64) as i64;
+            prop_assert!((0..=3).contains(&(exact - scale(value, b))));
+        }
+
+        #[test]
+        fn root_is_within_its_relative_error(value: u64, shift in 0u32..64) {
+            let value = value >> shift;
+            let root = square_root(value) as f64;
+            let exact = libm::sqrt(value as f64) * 4_294_967_296.0;
+            // The last bit of the shifted result counts as well where the value is small.
+            prop_assert!((root - exact).abs() <= exact * 5.7e-14 + 1.0, "{value}: {root} {exact}");
+        }
+    }
+
+    #[test]
+    fn edges() {
+        for value in [0, 1, 2, 3, u64::MAX, u64::MAX - 1, 1 << 63, 1 << 62, (1 << 63) - 1] {
+            let root = square_root(value) as f64;
+            let exact = libm::sqrt(value as f64) * 4_294_967_296.0;
+            assert!((root - exact).abs() <= exact * 5.7e-14 + 1.0, "{value}: {root} {exact}");
+        }
+        assert_eq!(scale(i64::MIN, ALMOST_ONE), i64::MIN);
+        assert_eq!(scale(i64::MIN, 0), 0);
+    }
+}

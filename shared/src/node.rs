@@ -1,0 +1,254 @@
+//! One device on the bus: a clock that SYNC disciplines, an identity, and some axes with drives.
+//!
+//! A firmware image or a host process owns a node and only wires it to its peripherals:
+//!
+//! ```text
+//! a frame arrived        handle_frame(now, &frame), then drain poll_transmit
+//! at next_tick()         tick(now) -> setpoints, then drain poll_transmit
+//! the bus had an error   count(event)
+//! ```
+//!
+//! Ticks are whole milliseconds of bus time, so the ticks of all nodes on a bus coincide, and a
+//! tick that runs late still gives the setpoint of its own instant.
+
+use crate::axis::state::State;
+use crate::axis::{Axis, Outcome};
+use crate::drive::Drive;
+use crate::limits::Limits;
+use crate::motion::Setpoint;
+use crate::time::bus_clock::{BusClock, Discipline};
+use crate::time::{BusTime, LocalTime, Tick};
+use crate::wire::PROTOCOL_VERSION;
+use crate::wire::command::Command;
+use crate::wire::frame::Frame;
+use crate::wire::id::{Address, AxisId};
+pub use crate::wire::report::Board;
+use crate::wire::report::{IdentityPart, Report};
+use core::fmt;
+use heapless::Vec;
+
+/// Who a node is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Identity {
+    /// The chip's own 96-bit id.
+    pub chip: [u8; 12],
+    /// The firmware's version: major, minor, patch.
+    pub firmware: [u8; 3],
+    /// What the node runs on.
+    pub board: Board,
+}
+
+/// The setpoint of one axis at one tick.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct AxisSetpoint {
+    /// Which axis.
+    pub axis: AxisId,
+    /// Which tick.
+    pub tick: Tick,
+    /// The axis's state at that tick.
+    pub state: State,
+    /// What it is to do.
+    pub setpoint: Setpoint,
+}
+
+/// Something that happened on the bus and is not a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BusEvent {
+    /// The controller went off the bus.
+    BusOff,
+    /// An error frame was seen.
+    ErrorFrame,
+    /// A frame was received but could not be kept.
+    LostReception,
+}
+
+/// Why an axis could not be added to a node.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NodeError {
+    /// The node has no room for one more.
+    Full {
+        /// The axes that a node of this kind can hold.
+        capacity: usize,
+    },
+    /// The node has an axis of this id already.
+    Doubled {
+        /// The id.
+        axis: AxisId,
+    },
+}
+
+impl fmt::Display for NodeError {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Full { capacity } => write!(formatter, "a node holds at most {capacity} axes"),
+            Self::Doubled { axis } => write!(formatter, "axis {axis} is named twice"),
+        }
+    }
+}
+
+impl core::error::Error for NodeError {}
+
+#[derive(Debug)]
+struct Slot<D> {
+    axis: Axis,
+    drive: D,
+    /// The next part of the identity to send, [`IdentityPart::COUNT`] where none is asked for.
+    identity: u8,
+}
+
+/// A node with up to `AXES` axes, each with a drive `D`.
+#[derive(Debug)]
+pub struct Node<D, const AXES: usize> {
+    identity: Identity,
+    clock: BusClock,
+    next: Option<Tick>,
+    slots: Vec<Slot<D>, AXES>,
+    setpoints: Vec<AxisSetpoint, AXES>,
+}
+
+impl<D: Drive, const AXES: usize> Node<D, AXES> {
+    /// A node without axes.
+    pub fn new(identity: Identity) -> Self {
+        Self {
+            identity,
+            clock: BusClock::new(),
+            next: None,
+            slots: Vec::new(),
+            setpoints: Vec::new(),
+        }
+    }
+
+    /// Adds an axis.
+    ///
+    /// # Errors
+    /// No room, or an axis of that id already.
+    pub fn add_axis(&mut self, axis: AxisId, limits: Limits, drive: D) -> Result<(), NodeError> {
+        if self.slots.iter().any(|slot| slot.axis.id() == axis) {
+            return Err(NodeError::Doubled { axis });
+        }
+        let slot = Slot {
+            axis: Axis::new(axis, limits),
+            drive,
+            identity: IdentityPart::COUNT,
+        };
+        let full = NodeError::Full { capacity: AXES };
+        self.slots.push(slot).map_err(|_| full)
+    }
+
+    /// The axes of the node.
+    pub fn axes(&self) -> impl Iterator<Item = &Axis> {
+        self.slots.iter().map(|slot| &slot.axis)
+    }
+
+    /// Bus time at a local time, as well as the node knows it.
+    pub fn bus_time(&self, now: LocalTime) -> BusTime {
+        self.clock.bus_time(now)
+    }
+
+    /// When to call [`Self::tick`] next. It moves with the bus clock: ask again after each frame.
+    pub fn next_tick(&self) -> LocalTime {
+        self.next
+            .map_or(LocalTime(0), |tick| self.clock.local_time(tick.time()))
+    }
+
+    /// Takes a frame that arrived at `now`.
+    pub fn handle_frame(&mut self, now: LocalTime, frame: &Frame) {
+        let Ok(Some((address, command))) = Command::decode(frame) else {
+            return;
+        };
+        if let Command::Sync { time, .. } = command {
+            self.synchronise(now, time);
+            return;
+        }
+        let bus_time = self.clock.bus_time(now);
+        for slot in &mut self.slots {
+            if !address.includes(slot.axis.id()) {
+                continue;
+            }
+            if command == Command::IdentityRequest {
+                slot.identity = 0;
+                continue;
+            }
+            // The answer is in the axis's queue; the node has nothing to add to any outcome.
+            let _: Outcome = slot.axis.handle_command(bus_time, frame, command);
+            if address != Address::All {
+                break;
+            }
+        }
+    }
+
+    fn synchronise(&mut self, now: LocalTime, sent: BusTime) {
+        let at_rest = self.slots.iter().all(|slot| !slot.axis.is_moving());
+        if self.clock.synchronise(now, sent, at_rest) == Discipline::Stepped && self.next.is_some()
+        {
+            let next = self.clock.bus_time(now).next_tick();
+            self.next = Some(next);
+            for slot in &mut self.slots {
+                slot.axis.rebase(Tick(next.0.saturating_sub(1)));
+            }
+        }
+    }
+
+    /// Runs the tick that is due: once for each time that [`Self::next_tick`] has come.
+    pub fn tick(&mut self, now: LocalTime) -> &[AxisSetpoint] {
+        let bus_time = self.clock.bus_time(now);
+        let tick = self.next.unwrap_or(bus_time.next_tick());
+        self.next = Some(Tick(tick.0.saturating_add(1)));
+        self.setpoints.clear();
+        for Slot { axis, drive, .. } in &mut self.slots {
+            axis.handle_drive(drive.report());
+            let setpoint = axis.tick(tick, bus_time);
+            drive.command(tick, axis.drive_command());
+            // As many places as axes: there is always room.
+            let _ = self.setpoints.push(AxisSetpoint {
+                axis: axis.id(),
+                tick,
+                state: axis.state(),
+                setpoint,
+            });
+        }
+        &self.setpoints
+    }
+
+    /// The next frame to send, until there is none.
+    pub fn poll_transmit(&mut self, _now: LocalTime) -> Option<Frame> {
+        self.slots.iter_mut().find_map(|slot| {
+            slot.axis.poll_transmit().or_else(|| {
+                let part = match slot.identity {
+                    0 => IdentityPart::Version {
+                        protocol: PROTOCOL_VERSION,
+                        board: self.identity.board.into(),
+                        firmware: self.identity.firmware,
+                    },
+                    1 => IdentityPart::ChipFirst(half(&self.identity.chip, 0)),
+                    2 => IdentityPart::ChipLast(half(&self.identity.chip, 6)),
+                    _ => return None,
+                };
+                slot.identity += 1;
+                Some(Report::Identity(part).encode(slot.axis.id()))
+            })
+        })
+    }
+
+    /// Counts something that happened on the bus; the heartbeats of all axes tell it.
+    pub fn count(&mut self, event: BusEvent) {
+        for slot in &mut self.slots {
+            let counters = slot.axis.counters_mut();
+            let counter = match event {
+                BusEvent::BusOff => &mut counters.bus_off,
+                BusEvent::ErrorFrame => &mut counters.error_frames,
+                BusEvent::LostReception => &mut counters.lost,
+            };
+            *counter = counter.wrapping_add(1);
+        }
+    }
+}
+
+/// Six bytes of a chip id from `start` on.
+fn half(chip: &[u8; 12], start: usize) -> [u8; 6] {
+    let mut half = [0; 6];
+    for (byte, from) in half.iter_mut().zip(chip.iter().skip(start)) {
+        *byte = *from;
+    }
+    half
+}

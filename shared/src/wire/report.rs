@@ -1,0 +1,307 @@
+//! What an axis says, to everybody on the bus.
+
+use super::command::{Session, open, wire_steps};
+use super::frame::Frame;
+use super::id::{Address, AxisId, Function};
+use super::layout::{
+    Field, Layout, POSITION_SHIFT, Sender, VELOCITY_SHIFT, acknowledgement, fault, feedback,
+    heartbeat, identity, started,
+};
+use super::reason::Reason;
+use super::{DecodeError, ProtocolVersion};
+use crate::time::BusTime;
+use crate::units::{Position, Velocity};
+use num_enum::{IntoPrimitive, TryFromPrimitive};
+
+/// What a node is built on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, IntoPrimitive, TryFromPrimitive)]
+#[repr(u8)]
+pub enum Board {
+    /// The simulated robot inside a host command.
+    Simulated = 0,
+    /// A process on a host.
+    Host = 1,
+    /// An emulated Cortex-M4F.
+    Emulated = 2,
+    /// ST's Nucleo board with an STM32G474RE.
+    NucleoG474re = 16,
+}
+
+impl Board {
+    /// Every board, in the order of their codes.
+    pub const ALL: [Self; 4] = [
+        Self::Simulated,
+        Self::Host,
+        Self::Emulated,
+        Self::NucleoG474re,
+    ];
+
+    /// The board's name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Simulated => "simulated",
+            Self::Host => "host",
+            Self::Emulated => "emulated",
+            Self::NucleoG474re => "nucleo-g474re",
+        }
+    }
+}
+
+/// What an axis says. States and faults are their numbers here; `axis` has their names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Report {
+    /// The answer to a command.
+    Acknowledgement {
+        /// The command's number.
+        sequence: u8,
+        /// The command's function.
+        function: Function,
+        /// Accepted, or why not.
+        reason: Reason,
+        /// What the reason's table says.
+        detail: u32,
+    },
+    /// A move began.
+    Started {
+        /// The command's number.
+        sequence: u8,
+        /// When its first setpoint was handed to the drive.
+        time: BusTime,
+    },
+    /// A fault was latched.
+    Fault {
+        /// Its number.
+        fault: u8,
+        /// When.
+        time: BusTime,
+    },
+    /// Where the axis is.
+    Feedback {
+        /// Where the drive is.
+        position: Position,
+        /// How fast it is.
+        velocity: Velocity,
+        /// The axis's state.
+        state: u8,
+        /// Whether the setpoint moves, or will without another command.
+        moving: bool,
+    },
+    /// State, commander and counters, which wrap.
+    Heartbeat {
+        /// The axis's state.
+        state: u8,
+        /// The latched fault, 0 for none.
+        fault: u8,
+        /// The session that holds the axis, 0 for none.
+        session: Session,
+        /// Times that the node was off the bus.
+        bus_off: u8,
+        /// Error frames seen.
+        error_frames: u8,
+        /// Receptions lost.
+        lost: u8,
+        /// Commands rejected.
+        rejected: u8,
+    },
+    /// A part of a node's identity.
+    Identity(IdentityPart),
+}
+
+/// The parts in which a node tells who it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum IdentityPart {
+    /// What it runs on, and what it runs.
+    Version {
+        /// The protocol it speaks.
+        protocol: ProtocolVersion,
+        /// The board's number, see [`Board`].
+        board: u8,
+        /// The firmware's version: major, minor, patch.
+        firmware: [u8; 3],
+    },
+    /// The first six bytes of the chip's id.
+    ChipFirst([u8; 6]),
+    /// The last six bytes of the chip's id.
+    ChipLast([u8; 6]),
+}
+
+impl IdentityPart {
+    /// How many parts there are.
+    pub const COUNT: u8 = 3;
+}
+
+fn chip_half(word: u64, field: &Field) -> [u8; 6] {
+    let [a, b, c, d, e, f, _, _] = field.get(word).to_le_bytes();
+    [a, b, c, d, e, f]
+}
+
+fn chip_word(half: [u8; 6]) -> i64 {
+    let [a, b, c, d, e, f] = half;
+    i64::from_le_bytes([a, b, c, d, e, f, 0, 0])
+}
+
+impl Report {
+    /// The function that carries the report.
+    pub fn function(&self) -> Function {
+        match self {
+            Self::Acknowledgement { .. } => Function::Acknowledgement,
+            Self::Started { .. } => Function::Started,
+            Self::Fault { .. } => Function::Fault,
+            Self::Feedback { .. } => Function::Feedback,
+            Self::Heartbeat { .. } => Function::Heartbeat,
+            Self::Identity(_) => Function::Identity,
+        }
+    }
+
+    /// The report as a frame from `axis`; a position or velocity beyond its field is cut to the
+    /// field's end.
+    pub fn encode(&self, axis: AxisId) -> Frame {
+        let time = |time: BusTime| i64::try_from(time.0).unwrap_or(i64::MAX);
+        let word = match *self {
+            Self::Acknowledgement {
+                sequence,
+                function,
+                reason,
+                detail,
+            } => put([
+                (acknowledgement::SEQUENCE, sequence.into()),
+                (acknowledgement::FUNCTION, u8::from(function).into()),
+                (acknowledgement::REASON, u8::from(reason).into()),
+                (acknowledgement::DETAIL, detail.into()),
+            ]),
+            Self::Started { sequence, time: at } => put([
+                (started::SEQUENCE, sequence.into()),
+                (started::TIME, time(at)),
+            ]),
+            Self::Fault {
+                fault: number,
+                time: at,
+            } => put([(fault::FAULT, number.into()), (fault::TIME, time(at))]),
+            Self::Feedback {
+                position,
+                velocity,
+                state,
+                moving,
+            } => put([
+                (feedback::POSITION, wire_steps(position)),
+                (feedback::VELOCITY, velocity.counts() >> VELOCITY_SHIFT),
+                (feedback::STATE, state.into()),
+                (feedback::MOVING, moving.into()),
+            ]),
+            Self::Heartbeat {
+                state,
+                fault,
+                session,
+                bus_off,
+                error_frames,
+                lost,
+                rejected,
+            } => put([
+                (heartbeat::STATE, state.into()),
+                (heartbeat::FAULT, fault.into()),
+                (heartbeat::SESSION, session.into()),
+                (heartbeat::BUS_OFF, bus_off.into()),
+                (heartbeat::ERROR_FRAMES, error_frames.into()),
+                (heartbeat::LOST, lost.into()),
+                (heartbeat::REJECTED, rejected.into()),
+            ]),
+            Self::Identity(IdentityPart::Version {
+                protocol,
+                board,
+                firmware: [major, minor, patch],
+            }) => put([
+                (identity::PART, 0),
+                (identity::PROTOCOL_MAJOR, protocol.major.into()),
+                (identity::PROTOCOL_MINOR, protocol.minor.into()),
+                (identity::BOARD, board.into()),
+                (identity::FIRMWARE_MAJOR, major.into()),
+                (identity::FIRMWARE_MINOR, minor.into()),
+                (identity::FIRMWARE_PATCH, patch.into()),
+            ]),
+            Self::Identity(IdentityPart::ChipFirst(half)) => {
+                put([(identity::PART, 1), (identity::CHIP_FIRST, chip_word(half))])
+            }
+            Self::Identity(IdentityPart::ChipLast(half)) => {
+                put([(identity::PART, 2), (identity::CHIP_LAST, chip_word(half))])
+            }
+        };
+        let function = self.function();
+        let length = Layout::of(function).map_or(0, |layout| layout.length);
+        Frame::from_word(Address::Axis(axis).frame_id(function), word, length)
+    }
+
+    /// What a frame from an axis means, and which axis it is; `Ok(None)` for a host's command.
+    ///
+    /// # Errors
+    /// A frame that is not of this protocol, or not whole.
+    pub fn decode(frame: &Frame) -> Result<Option<(AxisId, Self)>, DecodeError> {
+        let Some((function, Address::Axis(axis), word)) = open(frame, Sender::Node)? else {
+            return Ok(None);
+        };
+        let bad = |field: &Field| DecodeError::Value {
+            function,
+            field: field.name,
+            value: field.get(word) as u64,
+        };
+        let byte = |field: &Field| field.get(word) as u8;
+        let time = |field: &Field| BusTime(field.get(word) as u64);
+        let report = match function {
+            Function::Acknowledgement => Self::Acknowledgement {
+                sequence: byte(&acknowledgement::SEQUENCE),
+                function: Function::try_from(byte(&acknowledgement::FUNCTION))
+                    .map_err(|_| bad(&acknowledgement::FUNCTION))?,
+                reason: Reason::try_from(byte(&acknowledgement::REASON))
+                    .map_err(|_| bad(&acknowledgement::REASON))?,
+                detail: acknowledgement::DETAIL.get(word) as u32,
+            },
+            Function::Started => Self::Started {
+                sequence: byte(&started::SEQUENCE),
+                time: time(&started::TIME),
+            },
+            Function::Fault => Self::Fault {
+                fault: byte(&fault::FAULT),
+                time: time(&fault::TIME),
+            },
+            Function::Feedback => Self::Feedback {
+                position: Position::from_counts(feedback::POSITION.get(word) << POSITION_SHIFT),
+                velocity: Velocity::from_counts(feedback::VELOCITY.get(word) << VELOCITY_SHIFT),
+                state: byte(&feedback::STATE),
+                moving: feedback::MOVING.get(word) == 1,
+            },
+            Function::Heartbeat => Self::Heartbeat {
+                state: byte(&heartbeat::STATE),
+                fault: byte(&heartbeat::FAULT),
+                session: heartbeat::SESSION.get(word) as u16,
+                bus_off: byte(&heartbeat::BUS_OFF),
+                error_frames: byte(&heartbeat::ERROR_FRAMES),
+                lost: byte(&heartbeat::LOST),
+                rejected: byte(&heartbeat::REJECTED),
+            },
+            Function::Identity => Self::Identity(match identity::PART.get(word) {
+                0 => IdentityPart::Version {
+                    protocol: ProtocolVersion {
+                        major: byte(&identity::PROTOCOL_MAJOR),
+                        minor: byte(&identity::PROTOCOL_MINOR),
+                    },
+                    board: byte(&identity::BOARD),
+                    firmware: [
+                        byte(&identity::FIRMWARE_MAJOR),
+                        byte(&identity::FIRMWARE_MINOR),
+                        byte(&identity::FIRMWARE_PATCH),
+                    ],
+                },
+                1 => IdentityPart::ChipFirst(chip_half(word, &identity::CHIP_FIRST)),
+                2 => IdentityPart::ChipLast(chip_half(word, &identity::CHIP_LAST)),
+                _ => return Err(bad(&identity::PART)),
+            }),
+            _ => return Ok(None),
+        };
+        Ok(Some((axis, report)))
+    }
+}
+
+fn put<const COUNT: usize>(values: [(Field, i64); COUNT]) -> u64 {
+    values
+        .into_iter()
+        .fold(0, |word, (field, raw)| field.put(word, raw))
+}

@@ -1,0 +1,19 @@
+# shellcheck shell=bash
+# Format, lints, docs, and the tests that need nothing but cargo and Python.
+source tests/lib/common.sh
+need_rust clippy rustfmt
+need_python
+
+say "format"
+cargo fmt --all --check
+
+say "lints"
+cargo clippy --locked --all-targets -- -D warnings
+# The tests of the other parts have `test = false` and are passed over by --all-targets.
+cargo clippy --locked --package canter-tests --test '*' -- -D warnings
+
+say "docs"
+RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps
+
+say "tests"
+cargo test --locked

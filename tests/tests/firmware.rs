@@ -1,0 +1,100 @@
+//! What the default board's image takes of its chip.
+//!
+//! The numbers are kept in tests/snapshots/firmware-sizes.txt, so that a change that makes the
+//! image grow shows it. CANTER_UPDATE_SNAPSHOTS=1 writes the file anew.
+
+mod image;
+
+use std::fs;
+
+use canter_tests::{measurement, root};
+use object::read::elf::{FileHeader, ProgramHeader};
+use object::{Endianness, elf};
+
+const SNAPSHOT: &str = "tests/snapshots/firmware-sizes.txt";
+
+/// Where the chip's RAM begins; what lies below is flash.
+const RAM: u32 = 0x2000_0000;
+
+const FLASH_BOUND: u32 = 100 * 1024;
+const RAM_BOUND: u32 = 24 * 1024;
+
+/// How far flash may be from the snapshot. Panic messages hold the paths of other people's
+/// sources, which are as long as the builder's home is; RAM holds none and must match.
+const FLASH_TOLERANCE: u32 = 1024;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Sizes {
+    /// Code, constants and the initial values of variables.
+    flash: u32,
+    /// Variables, tasks included; not the stack, which has the rest.
+    ram: u32,
+}
+
+impl Sizes {
+    fn of(file: &[u8]) -> Self {
+        let broken = "an image is a 32-bit ELF file";
+        let header = elf::FileHeader32::<Endianness>::parse(file).expect(broken);
+        let endian = header.endian().expect(broken);
+        let segments = header.program_headers(endian, file).expect(broken);
+        let mut sizes = Self { flash: 0, ram: 0 };
+        for segment in segments {
+            if segment.p_type(endian) == elf::PT_LOAD {
+                sizes.flash += segment.p_filesz(endian);
+                if segment.p_vaddr(endian) >= RAM {
+                    sizes.ram += segment.p_memsz(endian);
+                }
+            }
+        }
+        sizes
+    }
+
+    fn parse(text: &str) -> Option<Self> {
+        let value = |name| {
+            let mut lines = text.lines().filter_map(|line| line.split_once('='));
+            lines.find(|(key, _)| *key == name)?.1.parse().ok()
+        };
+        Some(Self {
+            flash: value("flash")?,
+            ram: value("ram")?,
+        })
+    }
+
+    fn text(self) -> String {
+        format!("flash={}\nram={}\n", self.flash, self.ram)
+    }
+}
+
+#[test]
+fn the_nucleo_image_keeps_its_size() {
+    let path = image::path("nucleo-g474re");
+    let sizes = Sizes::of(&fs::read(&path).expect("the image can be read"));
+    for (what, size, bound) in [
+        ("flash", sizes.flash, FLASH_BOUND),
+        ("static RAM", sizes.ram, RAM_BOUND),
+    ] {
+        measurement(
+            "firmware",
+            &format!("nucleo-g474re {what}"),
+            &format!("{size} B"),
+            &format!("<= {bound} B"),
+        );
+        assert!(size <= bound, "{what}: {size} B are over {bound} B");
+    }
+
+    let snapshot = root().join(SNAPSHOT);
+    if std::env::var_os("CANTER_UPDATE_SNAPSHOTS").is_some() {
+        fs::write(&snapshot, sizes.text()).expect("the snapshot can be written");
+        return;
+    }
+    let kept = fs::read_to_string(&snapshot).ok();
+    let kept = kept.as_deref().and_then(Sizes::parse);
+    let same = kept.is_some_and(|kept| {
+        kept.flash.abs_diff(sizes.flash) <= FLASH_TOLERANCE && kept.ram == sizes.ram
+    });
+    assert!(
+        same,
+        "the image takes {sizes:?}, {SNAPSHOT} says {kept:?}: where that is meant, run this again \
+         with CANTER_UPDATE_SNAPSHOTS=1 and commit the file"
+    );
+}
