@@ -19,7 +19,7 @@ pub mod exact;
 use super::Setpoint;
 use super::fixed::{ALMOST_ONE, multiply, scale, square_root};
 use crate::limits::Limits;
-use crate::time::{LONGEST_MOVE, TICKS_PER_SECOND, Tick, Ticks};
+use crate::time::{LONGEST_MOVE, Tick, Ticks};
 use crate::units::{Acceleration, Position, Velocity};
 use core::f64::consts::PI;
 

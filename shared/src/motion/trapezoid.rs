@@ -79,7 +79,6 @@ impl Trapezoid {
     /// The quickest trapezoid of whole ticks over `range` within the limits; `None` where it would
     /// last longer than [`LONGEST_MOVE`].
     pub fn shortest(range: Position, limits: &Limits) -> Option<Self> {
-        let rate = TICKS_PER_SECOND as f64;
         let distance = range.abs().counts() as f64;
         let up = limits.acceleration().counts() as f64;
         let down = limits.deceleration().counts() as f64;
