@@ -203,6 +203,7 @@ impl Axis {
                 self.commander.release();
                 self.staged = None;
                 self.shape = None;
+                self.telemetry.hasten();
             }
             Action::Enable => match self.state {
                 State::Fault | State::FaultReactionActive => {

@@ -1,3 +1,25 @@
-//! The command line.
+//! The command `canter`: parses the command line, runs one verb, maps errors to exit codes.
 
-fn main() {}
+mod arguments;
+mod context;
+mod verb;
+
+use arguments::Arguments;
+use clap::Parser;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    // clap itself ends with exit code 2 where the command line is wrong.
+    let arguments = Arguments::parse();
+    let json = arguments.json;
+    match verb::run(arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            if json {
+                println!("{}", serde_json::json!({ "error": format!("{error:#}") }));
+            }
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,191 @@
+//! The command line's shape.
+
+use canter::bus::{Address, AddressError};
+use canter::client::{Goal, Target};
+use canter::notation::{AxisList, angle, parse_axes, rate, seconds};
+use canter_shared::wire::command::ProfileKind;
+use canter_shared::wire::id::AxisId;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// Moves CAN servo axes smoothly and together.
+///
+/// Angles are rad unless deg or turn stands behind: 1.5, 90deg, 0.25turn. Data goes to stdout and
+/// words to stderr. Exit code: 0 done, 1 failed or refused, 2 wrong usage.
+#[derive(Parser)]
+#[command(version, arg_required_else_help = true)]
+pub struct Arguments {
+    /// The bus: sim, vcan0, socketcan:can0, slcan:/dev/ttyACM0, slcan:tcp:HOST:PORT.
+    #[arg(long, global = true, env = "CANTER_CAN", value_name = "BUS")]
+    pub can: Option<BusAddress>,
+    /// The robot file: axes and their limits.
+    #[arg(long, global = true, value_name = "FILE")]
+    pub robot: Option<PathBuf>,
+    /// Print one JSON document.
+    #[arg(long, global = true)]
+    pub json: bool,
+    #[command(subcommand)]
+    pub verb: Verb,
+}
+
+/// A bus that was named, as it was written and as it is meant.
+#[derive(Debug, Clone)]
+pub struct BusAddress(pub Address);
+
+impl std::str::FromStr for BusAddress {
+    type Err = AddressError;
+
+    fn from_str(text: &str) -> Result<Self, AddressError> {
+        text.parse().map(Self)
+    }
+}
+
+#[derive(Subcommand)]
+pub enum Verb {
+    /// Show everything on a simulated robot of 12 axes, with a report to look at.
+    Demo(Demo),
+    /// Run axis nodes on a bus, in real time, from the firmware's own core.
+    Node(Node),
+    /// Find the nodes on the bus.
+    Scan,
+    /// Print the state of every axis on the bus.
+    Status,
+    /// Enable axes where they are.
+    Enable(Axes),
+    /// Stop and disable axes.
+    Disable(Axes),
+    /// Forget latched faults; the axes stay disabled.
+    Clear(Axes),
+    /// Bring axes to rest inside their limits, whoever moves them.
+    Stop(Axes),
+    /// Emergency stop: come to rest and latch a fault.
+    Estop(Axes),
+    /// Move axes, together.
+    Move(Move),
+}
+
+#[derive(Args)]
+pub struct Demo {
+    /// Where report.html, setpoints.csv and bus.log go.
+    #[arg(long, value_name = "DIR", default_value = "canter-demo")]
+    pub out: PathBuf,
+    /// The same seed gives the same files, byte for byte.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+}
+
+#[derive(Args)]
+pub struct Node {
+    /// The axes to run: 1-12 or 1,2,5.
+    #[arg(long, value_name = "LIST", value_parser = axes)]
+    pub axes: AxisVector,
+    /// The drive behind each axis.
+    #[arg(long, value_enum, default_value_t = DriveKind::Simulated)]
+    pub drive: DriveKind,
+    /// Write every setpoint here, as CSV.
+    #[arg(long, value_name = "FILE")]
+    pub trace: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum DriveKind {
+    /// No drive: setpoints are followed in the process.
+    Simulated,
+}
+
+#[derive(Args)]
+pub struct Axes {
+    /// The axes: 1-12, 1,2,5 or all.
+    #[arg(value_name = "AXES")]
+    pub axes: AxisList,
+}
+
+#[derive(Args)]
+pub struct Move {
+    /// Where each axis is to go: 1=90deg 2=-0.5turn 3-4=1.5.
+    #[arg(required = true, value_name = "AXIS=POSITION", value_parser = goal)]
+    pub goals: Vec<GoalArgument>,
+    /// The shape of the move.
+    #[arg(long, value_enum, default_value_t = ProfileArgument::Beta)]
+    pub profile: ProfileArgument,
+    /// Positions are differences from where the axes are.
+    #[arg(long)]
+    pub relative: bool,
+    /// How long the move lasts, in s; as quick as the limits allow without it.
+    #[arg(long, value_name = "S", value_parser = seconds, allow_hyphen_values = true)]
+    pub duration: Option<f64>,
+    /// The largest velocity, in rad/s.
+    #[arg(long, value_name = "RATE", value_parser = rate, allow_hyphen_values = true)]
+    pub vmax: Option<f64>,
+    /// The largest acceleration, in rad/s^2.
+    #[arg(long, value_name = "RATE", value_parser = rate, allow_hyphen_values = true)]
+    pub amax: Option<f64>,
+    /// The largest deceleration, in rad/s^2; as the acceleration without it.
+    #[arg(long, value_name = "RATE", value_parser = rate, allow_hyphen_values = true)]
+    pub dmax: Option<f64>,
+    /// The largest jerk, in rad/s^3.
+    #[arg(long, value_name = "RATE", value_parser = rate, allow_hyphen_values = true)]
+    pub jmax: Option<f64>,
+    /// Each axis as quick as it can be, instead of all arriving together.
+    #[arg(long)]
+    pub independent: bool,
+    /// Enable the axes first where they are not.
+    #[arg(long)]
+    pub enable: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum ProfileArgument {
+    /// The beta S-curve.
+    Beta,
+    /// Constant acceleration, cruise, constant deceleration.
+    Trapezoid,
+}
+
+impl From<ProfileArgument> for ProfileKind {
+    fn from(profile: ProfileArgument) -> Self {
+        match profile {
+            ProfileArgument::Beta => Self::Beta,
+            ProfileArgument::Trapezoid => Self::Trapezoid,
+        }
+    }
+}
+
+/// Axes in a newtype, so that clap takes the list as one value.
+#[derive(Clone)]
+pub struct AxisVector(pub Vec<AxisId>);
+
+fn axes(text: &str) -> Result<AxisVector, canter::notation::AxisListError> {
+    parse_axes(text).map(AxisVector)
+}
+
+/// One `AXES=POSITION`.
+#[derive(Clone)]
+pub struct GoalArgument {
+    axes: Vec<AxisId>,
+    radians: f64,
+}
+
+impl GoalArgument {
+    /// The goals that are meant.
+    pub fn goals(&self, relative: bool) -> impl Iterator<Item = Goal> + '_ {
+        self.axes.iter().map(move |axis| Goal {
+            axis: *axis,
+            target: if relative {
+                Target::Relative(self.radians)
+            } else {
+                Target::Absolute(self.radians)
+            },
+        })
+    }
+}
+
+fn goal(text: &str) -> Result<GoalArgument, String> {
+    let (axes, position) = text
+        .split_once('=')
+        .ok_or("write AXIS=POSITION, such as `1=90deg`")?;
+    Ok(GoalArgument {
+        axes: parse_axes(axes).map_err(|error| error.to_string())?,
+        radians: angle(position).map_err(|error| error.to_string())?,
+    })
+}

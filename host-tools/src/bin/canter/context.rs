@@ -1,0 +1,96 @@
+//! What every verb needs: the bus, the robot, and where its output goes.
+
+use crate::arguments::{Arguments, BusAddress};
+use anyhow::{Context as _, Result};
+use canter::bus::{Address, Bus};
+use canter::client::Client;
+use canter::notation::AxisList;
+use canter::robot::Robot;
+use canter::sim::{Configuration, SimulatedBus};
+use canter_shared::wire::id::AxisId;
+use std::collections::hash_map::RandomState;
+use std::hash::{BuildHasher, Hasher};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// The bus, the robot, the output.
+pub struct Context {
+    pub address: Address,
+    pub robot: Robot,
+    pub json: bool,
+}
+
+impl Context {
+    pub fn new(arguments: &Arguments) -> Result<Self> {
+        let robot = match &arguments.robot {
+            Some(path) => Robot::read(path)?,
+            None => Robot::default(),
+        };
+        let named = arguments.can.clone().map(|BusAddress(address)| address);
+        Ok(Self {
+            address: named.unwrap_or(Address::Simulated),
+            robot,
+            json: arguments.json,
+        })
+    }
+
+    /// Whether the bus is the simulated robot, which is fresh and disabled at each command.
+    pub fn is_simulated(&self) -> bool {
+        matches!(self.address, Address::Simulated)
+    }
+
+    /// Opens the bus; where it is the simulated one, says so.
+    pub fn open(&self) -> Result<Box<dyn Bus>> {
+        if self.is_simulated() {
+            let axes = self.robot.axes().len();
+            eprintln!("bus: sim, a simulated robot of {axes} axes; choose another with --can");
+            return Ok(Box::new(SimulatedBus::new(Configuration::of(&self.robot))));
+        }
+        Ok(self.address.open()?)
+    }
+
+    /// A client on the bus, which ends what it does on an interrupt or a termination signal.
+    pub fn client(&self) -> Result<Client<Box<dyn Bus>>> {
+        let client = Client::new(self.open()?, random_session());
+        on_signal(client.interrupt())?;
+        Ok(client)
+    }
+
+    /// Prints a JSON document on stdout where that was asked for.
+    pub fn print_json(&self, document: &serde_json::Value) {
+        if self.json {
+            println!("{document}");
+        }
+    }
+}
+
+/// A session that no other host is likely to have drawn.
+fn random_session() -> u16 {
+    RandomState::new().build_hasher().finish() as u16
+}
+
+/// Sets `flag` on SIGINT, SIGTERM and SIGHUP.
+pub fn on_signal(flag: Arc<AtomicBool>) -> Result<()> {
+    ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))
+        .context("cannot install the signal handler")
+}
+
+/// The axes that a list means: all those that are heard on the bus, or these.
+pub fn resolve(client: &mut Client<Box<dyn Bus>>, list: &AxisList) -> Result<Vec<AxisId>> {
+    let heard = client.listen()?;
+    match list {
+        AxisList::These(axes) => Ok(axes.clone()),
+        AxisList::All if heard.is_empty() => {
+            let bus = client.bus().description();
+            Err(canter::client::ClientError::NobodyThere { bus }.into())
+        }
+        AxisList::All => Ok(heard),
+    }
+}
+
+/// Tells what the bus complained of, on stderr.
+pub fn tell_complaints(client: &mut Client<Box<dyn Bus>>) {
+    for words in client.take_complaints() {
+        eprintln!("bus: {words}");
+    }
+}

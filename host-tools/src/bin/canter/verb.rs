@@ -1,0 +1,30 @@
+//! The verbs, one file each.
+
+mod demo;
+mod r#move;
+mod node;
+mod power;
+mod scan;
+mod status;
+mod stop;
+
+use crate::arguments::{Arguments, Verb};
+use crate::context::Context;
+use anyhow::Result;
+
+/// Runs the verb that was asked for.
+pub fn run(arguments: Arguments) -> Result<()> {
+    let context = Context::new(&arguments)?;
+    match arguments.verb {
+        Verb::Demo(demo) => demo::run(&context, &demo),
+        Verb::Node(node) => node::run(&context, &node),
+        Verb::Scan => scan::run(&context),
+        Verb::Status => status::run(&context),
+        Verb::Enable(list) => power::run(&context, power::Change::Enable, &list.axes),
+        Verb::Disable(list) => power::run(&context, power::Change::Disable, &list.axes),
+        Verb::Clear(list) => power::run(&context, power::Change::Clear, &list.axes),
+        Verb::Stop(list) => stop::run(&context, &list.axes),
+        Verb::Estop(list) => stop::emergency(&context, &list.axes),
+        Verb::Move(request) => r#move::run(&context, &request),
+    }
+}

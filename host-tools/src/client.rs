@@ -1,0 +1,100 @@
+//! A commander of axes on a bus: finds them, holds them, moves them together, lets them go.
+//!
+//! A [`Client`] listens at first. From [`Client::hold`] on it is the commander of some axes and
+//! keeps them alive: it sends SYNC and its heartbeat whenever it waits for something. It must then
+//! not be left waiting elsewhere for longer than the axes' time-out (0.25 s), or they stop.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `known` | what is known of each axis from its reports |
+//! | `link` | waiting, the beacon, questions and answers |
+//! | `power` | hold, enable, disable, clear, stop |
+//! | `movement` | synchronised moves |
+//! | `error` | what can go wrong |
+
+mod error;
+mod known;
+mod link;
+mod movement;
+mod power;
+
+pub use error::ClientError;
+pub use known::{Counters, KnownAxis, KnownNode};
+pub use movement::{Arrival, Goal, MoveRequest, Overrides, Progress, Target};
+
+use crate::bus::Bus;
+use canter_shared::time::BusTime;
+use canter_shared::wire::command::Session;
+use canter_shared::wire::id::AxisId;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// A host on a bus.
+pub struct Client<B: Bus> {
+    bus: B,
+    session: Session,
+    axes: BTreeMap<AxisId, KnownAxis>,
+    nodes: Vec<KnownNode>,
+    /// The axes that this session holds, in the order in which they were taken.
+    held: Vec<AxisId>,
+    /// The last number used; one sequence serves all axes, so that a group can share a number.
+    sequence: u8,
+    beacon: link::Beacon,
+    interrupt: Arc<AtomicBool>,
+    /// Words for the person at the terminal that are no errors: what the bus complained of.
+    complaints: Vec<String>,
+}
+
+impl<B: Bus> Client<B> {
+    /// A client that only listens so far. `session` is drawn at random by whoever starts it; 0 is
+    /// nobody, and is taken as 1.
+    pub fn new(bus: B, session: Session) -> Self {
+        Self {
+            bus,
+            session: session.max(1),
+            axes: BTreeMap::new(),
+            nodes: Vec::new(),
+            held: Vec::new(),
+            sequence: 0,
+            beacon: link::Beacon::default(),
+            interrupt: Arc::default(),
+            complaints: Vec::new(),
+        }
+    }
+
+    /// A flag that ends whatever the client waits for, with [`ClientError::Interrupted`]: for a
+    /// signal handler. A move under way is stopped first.
+    pub fn interrupt(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.interrupt)
+    }
+
+    fn is_interrupted(&self) -> bool {
+        self.interrupt.load(Ordering::Relaxed)
+    }
+
+    /// The bus, to ask it about itself.
+    pub fn bus(&self) -> &B {
+        &self.bus
+    }
+
+    /// The bus, to change it.
+    pub fn bus_mut(&mut self) -> &mut B {
+        &mut self.bus
+    }
+
+    /// The bus's time.
+    pub fn now(&self) -> BusTime {
+        self.bus.now()
+    }
+
+    /// What is known of the axes that have been heard.
+    pub fn axes(&self) -> &BTreeMap<AxisId, KnownAxis> {
+        &self.axes
+    }
+
+    /// What the bus complained of since the last call, each once.
+    pub fn take_complaints(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.complaints)
+    }
+}

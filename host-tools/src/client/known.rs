@@ -1,0 +1,179 @@
+//! What is known of axes and nodes from what they report.
+
+use canter_shared::axis::fault::Fault;
+use canter_shared::axis::state::State;
+use canter_shared::time::BusTime;
+use canter_shared::units::{Position, Velocity};
+use canter_shared::wire::ProtocolVersion;
+use canter_shared::wire::command::Session;
+use canter_shared::wire::id::{AxisId, Function};
+use canter_shared::wire::reason::Reason;
+use canter_shared::wire::report::{Board, IdentityPart, Report};
+
+/// The counters of an axis's heartbeat, which wrap at 256.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Counters {
+    /// Times that the node was off the bus.
+    pub bus_off: u8,
+    /// Error frames seen.
+    pub error_frames: u8,
+    /// Receptions lost.
+    pub lost: u8,
+    /// Commands rejected.
+    pub rejected: u8,
+}
+
+/// An answer that an axis gave.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Answer {
+    pub sequence: u8,
+    pub function: Function,
+    pub reason: Reason,
+    pub detail: u32,
+}
+
+/// What is known of an axis; `None` where nothing was heard yet.
+#[derive(Debug, Clone, Default)]
+pub struct KnownAxis {
+    /// Its state.
+    pub state: Option<State>,
+    /// Its latched fault.
+    pub fault: Option<Fault>,
+    /// Where the drive is.
+    pub position: Option<Position>,
+    /// How fast the drive is.
+    pub velocity: Option<Velocity>,
+    /// Whether its setpoint moves, or will.
+    pub moving: Option<bool>,
+    /// Which session holds it, 0 for none; `None` before its first heartbeat.
+    pub session: Option<Session>,
+    /// Its counters.
+    pub counters: Counters,
+    /// When it was last heard.
+    pub heard: BusTime,
+    pub(super) answers: Vec<Answer>,
+    /// The last move that it reported to have begun.
+    pub(super) started: Option<(u8, BusTime)>,
+    /// Feedback frames heard: tells a fresh one from an old one.
+    pub(super) feedbacks: u64,
+}
+
+impl KnownAxis {
+    pub(super) fn learn(&mut self, report: &Report, now: BusTime) {
+        self.heard = now;
+        match *report {
+            Report::Acknowledgement {
+                sequence,
+                function,
+                reason,
+                detail,
+            } => {
+                // Only answers to questions under way are ever looked for: a few suffice.
+                if self.answers.len() >= 32 {
+                    self.answers.remove(0);
+                }
+                self.answers.push(Answer {
+                    sequence,
+                    function,
+                    reason,
+                    detail,
+                });
+            }
+            Report::Started { sequence, time } => self.started = Some((sequence, time)),
+            Report::Fault { fault, .. } => self.fault = Fault::try_from(fault).ok(),
+            Report::Feedback {
+                position,
+                velocity,
+                state,
+                moving,
+            } => {
+                self.position = Some(position);
+                self.velocity = Some(velocity);
+                self.state = State::try_from(state).ok();
+                self.moving = Some(moving);
+                self.feedbacks += 1;
+            }
+            Report::Heartbeat {
+                state,
+                fault,
+                session,
+                bus_off,
+                error_frames,
+                lost,
+                rejected,
+            } => {
+                self.state = State::try_from(state).ok();
+                self.fault = Fault::try_from(fault).ok();
+                self.session = Some(session);
+                self.counters = Counters {
+                    bus_off,
+                    error_frames,
+                    lost,
+                    rejected,
+                };
+            }
+            Report::Identity(_) => {}
+        }
+    }
+}
+
+/// A node as it answered to a scan: one axis of it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct KnownNode {
+    /// The axis that answered.
+    pub axis: AxisId,
+    /// The protocol that it speaks.
+    pub protocol: Option<ProtocolVersion>,
+    /// What it runs on.
+    pub board: Option<Board>,
+    /// Its firmware: major, minor, patch.
+    pub firmware: Option<[u8; 3]>,
+    /// The halves of the chip's id that were heard; more than one of a half are two nodes.
+    chips: [Vec<[u8; 6]>; 2],
+}
+
+impl KnownNode {
+    pub(super) fn new(axis: AxisId) -> Self {
+        Self {
+            axis,
+            protocol: None,
+            board: None,
+            firmware: None,
+            chips: [Vec::new(), Vec::new()],
+        }
+    }
+
+    pub(super) fn learn(&mut self, part: IdentityPart) {
+        match part {
+            IdentityPart::Version {
+                protocol,
+                board,
+                firmware,
+            } => {
+                self.protocol = Some(protocol);
+                self.board = Board::try_from(board).ok();
+                self.firmware = Some(firmware);
+            }
+            IdentityPart::ChipFirst(half) => add(&mut self.chips[0], half),
+            IdentityPart::ChipLast(half) => add(&mut self.chips[1], half),
+        }
+    }
+
+    /// The chip's id in hexadecimal, where it was heard whole.
+    pub fn chip(&self) -> Option<String> {
+        let [first, last] = &self.chips;
+        let bytes = first.first()?.iter().chain(last.first()?);
+        Some(bytes.map(|byte| format!("{byte:02x}")).collect())
+    }
+
+    /// Whether more than one node answered with this axis id.
+    pub fn is_doubled(&self) -> bool {
+        self.chips.iter().any(|halves| halves.len() > 1)
+    }
+}
+
+fn add(halves: &mut Vec<[u8; 6]>, half: [u8; 6]) {
+    if !halves.contains(&half) {
+        halves.push(half);
+    }
+}

@@ -1,0 +1,523 @@
+//! Moves of several axes that leave and arrive together.
+//!
+//! Every axis is staged first, which checks its target and duration against its limits; only when
+//! all have accepted does one trigger name the tick at which all leave. So a move that any axis
+//! refuses moves nothing.
+
+use super::link::{MILLISECOND, after};
+use super::{Client, ClientError};
+use crate::bus::Bus;
+use crate::robot::Robot;
+use canter_shared::axis::state::State;
+use canter_shared::limits::{DEFAULT_VALUES, LimitValues, Limits};
+use canter_shared::motion::beta::Beta;
+use canter_shared::motion::trapezoid::Trapezoid;
+use canter_shared::time::{BusTime, LONGEST_MOVE, Ticks};
+use canter_shared::units::Position;
+use canter_shared::wire::command::{Command, ProfileKind, wire_position};
+use canter_shared::wire::id::{Address, AxisId, Function};
+use canter_shared::wire::layout::POSITION_SHIFT;
+use canter_shared::wire::reason::Reason;
+
+/// Between the trigger and the start: time for the trigger to be sent three times and to get
+/// through a serial adapter and a host that is busy for a while.
+const LEAD: u64 = 100 * MILLISECOND;
+
+/// Between the repetitions of the trigger.
+const TRIGGER_PERIOD: u64 = 10 * MILLISECOND;
+
+/// How much longer than planned a move may take until it counts as lost: its last feedback.
+const GRACE: u64 = 1_000 * MILLISECOND;
+
+/// How long drives may take to settle at their targets before their positions are told as they are.
+const SETTLE: u64 = 200 * MILLISECOND;
+
+/// One step of a position on the wire.
+const STEP: Position = Position::from_counts(1 << POSITION_SHIFT);
+
+/// How far from the planned range the axis's own may be: what the wire rounds off the position
+/// it reported and off the target, twice each.
+const RANGE_MARGIN: i64 = 4 << POSITION_SHIFT;
+
+/// Where an axis is to go.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Target {
+    /// To this angle, in rad.
+    Absolute(f64),
+    /// By this angle from where it is, in rad.
+    Relative(f64),
+}
+
+/// One axis's part of a move.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Goal {
+    /// Which axis.
+    pub axis: AxisId,
+    /// Where to.
+    pub target: Target,
+}
+
+/// Limits of one move, each at most the axis's own; in rad and seconds.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Overrides {
+    /// The largest velocity.
+    pub velocity: Option<f64>,
+    /// The largest acceleration.
+    pub acceleration: Option<f64>,
+    /// The largest deceleration.
+    pub deceleration: Option<f64>,
+    /// The largest jerk.
+    pub jerk: Option<f64>,
+}
+
+/// A move of several axes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MoveRequest {
+    /// Which axes go where.
+    pub goals: Vec<Goal>,
+    /// Along which profile.
+    pub profile: ProfileKind,
+    /// A duration in seconds for all; as quick as the limits allow where there is none.
+    pub duration: Option<f64>,
+    /// Limits of this move.
+    pub limits: Overrides,
+    /// Each axis as quick as it can be, instead of all arriving together.
+    pub independent: bool,
+}
+
+/// How a move came out for one axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Arrival {
+    /// Which axis.
+    pub axis: AxisId,
+    /// Where it was sent, in rad, as the wire carries it.
+    pub target: f64,
+    /// Where the drive is, in rad.
+    pub position: f64,
+    /// Whether it rests at its target.
+    pub arrived: bool,
+    /// How long its move lasts.
+    pub duration: Ticks,
+    /// The start that the axis measured: when it handed over the setpoint of the start tick.
+    pub start: BusTime,
+    /// How much later it measured its start than the earliest axis of the move.
+    pub skew_microseconds: u64,
+}
+
+/// How far a move is, told again and again while it is under way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Progress {
+    /// Seconds since the start; negative before it.
+    pub elapsed: f64,
+    /// Seconds from start to rest.
+    pub duration: f64,
+}
+
+struct Planned {
+    axis: AxisId,
+    target: Position,
+    duration: Ticks,
+    limits: Limits,
+    range: Position,
+}
+
+impl<B: Bus> Client<B> {
+    /// Moves axes that this session holds, together, and waits until all rest.
+    ///
+    /// # Errors
+    /// A request that limits or axes refuse: nothing moves. A fault, a stop by somebody else, a
+    /// lost axis or an interrupt on the way: all axes of the move are stopped.
+    pub fn move_together(
+        &mut self,
+        robot: &Robot,
+        request: &MoveRequest,
+        progress: impl FnMut(Progress),
+    ) -> Result<Vec<Arrival>, ClientError> {
+        let mut plan = self.plan(robot, request)?;
+        let group = self.stage(&mut plan, request)?;
+        let axes: Vec<AxisId> = plan.iter().map(|planned| planned.axis).collect();
+        let result = self.run(&plan, group, progress);
+        if result.is_err() {
+            // Whatever went wrong: the others must not go on alone. The flag is taken back, or
+            // the stop itself would be interrupted.
+            self.interrupt
+                .store(false, std::sync::atomic::Ordering::Relaxed);
+            let _ = self.stop(&axes);
+        }
+        result
+    }
+
+    /// Checks the request against all that is known, and finds each axis's duration.
+    fn plan(
+        &mut self,
+        robot: &Robot,
+        request: &MoveRequest,
+    ) -> Result<Vec<Planned>, ClientError> {
+        let axes: Vec<AxisId> = request.goals.iter().map(|goal| goal.axis).collect();
+        for axis in &axes {
+            let known = self.axes.get(axis);
+            if let Some(fault) = known.and_then(|known| known.fault) {
+                return Err(ClientError::Faulted { axis: *axis, fault });
+            }
+            match known.and_then(|known| known.state) {
+                Some(State::OperationEnabled) => {}
+                Some(state) => return Err(ClientError::NotEnabled { axis: *axis, state }),
+                None => {
+                    let bus = self.bus.description();
+                    return Err(ClientError::NoAnswer { axis: *axis, bus });
+                }
+            }
+        }
+        // Durations are found from where the axes are once they rest.
+        let positions = self.wait_for_rest(&axes)?;
+        let mut plan = Vec::new();
+        for goal in &request.goals {
+            let at = positions.get(&goal.axis).copied().unwrap_or_default();
+            plan.push(plan_axis(goal, at, robot, request)?);
+        }
+        if let Some(asked) = request.duration {
+            for planned in &mut plan {
+                let ticks = Ticks::from_seconds_ceil(asked)
+                    .filter(|ticks| *ticks <= LONGEST_MOVE)
+                    .ok_or(ClientError::TooLong { axis: planned.axis })?;
+                if ticks < planned.duration {
+                    return Err(ClientError::TooShort {
+                        axis: planned.axis,
+                        asked,
+                        shortest: planned.duration.seconds(),
+                    });
+                }
+                planned.duration = ticks;
+            }
+        } else if !request.independent {
+            let longest = plan.iter().map(|planned| planned.duration).max();
+            for planned in &mut plan {
+                planned.duration = longest.unwrap_or_default();
+            }
+        }
+        Ok(plan)
+    }
+
+    /// Stages every axis under one number, which is the group's name for the trigger.
+    fn stage(
+        &mut self,
+        plan: &mut [Planned],
+        request: &MoveRequest,
+    ) -> Result<u8, ClientError> {
+        // An axis may find that its own range is a step longer: then the move is that much slower.
+        for _ in 0..3 {
+            if request.profile == ProfileKind::Trapezoid {
+                self.send_shapes(plan)?;
+            }
+            let sequence = self.next_sequence();
+            let questions: Vec<_> = plan
+                .iter()
+                .map(|planned| {
+                    let command = Command::Move {
+                        profile: request.profile,
+                        staged: true,
+                        target: planned.target,
+                        duration: planned.duration,
+                        sequence,
+                    };
+                    (planned.axis, command)
+                })
+                .collect();
+            let answers = self.ask(sequence, &questions)?;
+            let mut least = Ticks(0);
+            for (axis, answer, detail) in answers {
+                match answer {
+                    Ok(_) => {}
+                    Err(Reason::TooFast) if request.duration.is_none() => {
+                        least = least.max(Ticks(detail));
+                    }
+                    Err(reason) => {
+                        let function = match request.profile {
+                            ProfileKind::Beta => Function::StageBeta,
+                            ProfileKind::Trapezoid => Function::StageTrapezoid,
+                        };
+                        return Err(ClientError::Refused {
+                            axis,
+                            function,
+                            reason,
+                            detail,
+                        });
+                    }
+                }
+            }
+            if least == Ticks(0) {
+                return Ok(sequence);
+            }
+            for planned in plan.iter_mut() {
+                planned.duration = planned.duration.max(Ticks(least.0 + 1));
+            }
+        }
+        Err(match plan.first() {
+            Some(planned) => ClientError::TooLong { axis: planned.axis },
+            None => ClientError::NoGoals,
+        })
+    }
+
+    /// Tells each axis the ramps of its trapezoid, so that it keeps the limits of this move and
+    /// not only its own.
+    fn send_shapes(&mut self, plan: &[Planned]) -> Result<(), ClientError> {
+        let sequence = self.next_sequence();
+        let mut questions = Vec::new();
+        for planned in plan {
+            let shape = Trapezoid::within(planned.range, planned.duration, &planned.limits).ok_or(
+                ClientError::TooLong { axis: planned.axis },
+            )?;
+            let command = Command::TrapezoidShape {
+                acceleration: shape.acceleration(),
+                deceleration: shape.deceleration(),
+                sequence,
+            };
+            questions.push((planned.axis, command));
+        }
+        self.demand(sequence, &questions)
+    }
+
+    fn run(
+        &mut self,
+        plan: &[Planned],
+        group: u8,
+        mut progress: impl FnMut(Progress),
+    ) -> Result<Vec<Arrival>, ClientError> {
+        for planned in plan {
+            if let Some(known) = self.axes.get_mut(&planned.axis) {
+                known.started = None;
+                known.moving = Some(true);
+            }
+        }
+        let start = after(self.bus.now(), LEAD).next_tick();
+        for _ in 0..3 {
+            let trigger = Command::Trigger {
+                group,
+                session: self.session,
+                start,
+            };
+            self.tell(Address::All, trigger)?;
+            self.wait(after(self.bus.now(), TRIGGER_PERIOD), |_| false)?;
+        }
+        let longest = plan
+            .iter()
+            .map(|planned| planned.duration)
+            .max()
+            .unwrap_or_default();
+        let end = start.after(longest).time();
+        let deadline = after(end, GRACE);
+        loop {
+            let now = self.bus.now();
+            progress(Progress {
+                elapsed: now.0.wrapping_sub(start.time().0) as i64 as f64 / 1e6,
+                duration: longest.seconds(),
+            });
+            let next = after(now, 50 * MILLISECOND).min(deadline);
+            let over = self.wait(next, |known| {
+                plan.iter().all(|planned| {
+                    known.get(&planned.axis).is_some_and(|known| {
+                        known.started.is_some_and(|(sequence, _)| sequence == group)
+                            && known.moving == Some(false)
+                    })
+                }) || plan
+                    .iter()
+                    .any(|planned| known.get(&planned.axis).is_some_and(|known| known.fault.is_some()))
+            })?;
+            self.look_for_trouble(plan, group)?;
+            if over {
+                break;
+            }
+            if self.bus.now() >= deadline {
+                return Err(self.lost(plan, group));
+            }
+        }
+        self.settle(plan)?;
+        self.arrivals(plan)
+    }
+
+    /// A fault or a refused trigger on any axis of the move.
+    fn look_for_trouble(
+        &self,
+        plan: &[Planned],
+        group: u8,
+    ) -> Result<(), ClientError> {
+        for planned in plan {
+            let axis = planned.axis;
+            let Some(known) = self.axes.get(&axis) else {
+                continue;
+            };
+            if let Some(fault) = known.fault {
+                return Err(ClientError::Faulted { axis, fault });
+            }
+            let refused = known.answers.iter().find(|answer| {
+                answer.sequence == group
+                    && answer.function == Function::Trigger
+                    && answer.reason != Reason::Accepted
+            });
+            if let Some(refused) = refused {
+                return Err(ClientError::Refused {
+                    axis,
+                    function: refused.function,
+                    reason: refused.reason,
+                    detail: refused.detail,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// The axis for whose sake a move was given up.
+    fn lost(&self, plan: &[Planned], group: u8) -> ClientError {
+        let late = plan.iter().find(|planned| {
+            self.axes.get(&planned.axis).is_none_or(|known| {
+                known.moving != Some(false)
+                    || known.started.is_none_or(|(sequence, _)| sequence != group)
+            })
+        });
+        let Some(planned) = late.or(plan.first()) else {
+            return ClientError::NoGoals;
+        };
+        ClientError::TooSlow {
+            axis: planned.axis,
+            what: "start and finish its move",
+            seconds: plan
+                .iter()
+                .map(|planned| planned.duration.seconds())
+                .fold(0.0, f64::max),
+        }
+    }
+
+    /// Waits a little until the drives, which follow behind, are where their setpoints are.
+    fn settle(&mut self, plan: &[Planned]) -> Result<(), ClientError> {
+        let until = after(self.bus.now(), SETTLE);
+        self.wait(until, |known| {
+            plan.iter().all(|planned| {
+                known
+                    .get(&planned.axis)
+                    .and_then(|known| known.position)
+                    .is_some_and(|position| (position - planned.target).abs() <= STEP)
+            })
+        })?;
+        Ok(())
+    }
+
+    fn arrivals(&self, plan: &[Planned]) -> Result<Vec<Arrival>, ClientError> {
+        let start_of = |axis: &AxisId| {
+            self.axes
+                .get(axis)
+                .and_then(|known| known.started)
+                .map_or(BusTime(0), |(_, time)| time)
+        };
+        let earliest = plan
+            .iter()
+            .map(|planned| start_of(&planned.axis))
+            .min()
+            .unwrap_or_default();
+        plan.iter()
+            .map(|planned| {
+                let position = self
+                    .axes
+                    .get(&planned.axis)
+                    .and_then(|known| known.position)
+                    .unwrap_or_default();
+                let start = start_of(&planned.axis);
+                let arrived = is_near(position, planned.target);
+                if !arrived {
+                    return Err(ClientError::StoppedShort {
+                        axis: planned.axis,
+                        position: position.radians(),
+                        target: planned.target.radians(),
+                    });
+                }
+                Ok(Arrival {
+                    axis: planned.axis,
+                    target: planned.target.radians(),
+                    position: position.radians(),
+                    arrived,
+                    duration: planned.duration,
+                    start,
+                    skew_microseconds: start.0 - earliest.0,
+                })
+            })
+            .collect()
+    }
+}
+
+/// Within 1 mrad: what a drive may stay off its setpoint at rest and still count as arrived.
+fn is_near(position: Position, target: Position) -> bool {
+    (position - target).abs().radians() <= 1e-3
+}
+
+fn plan_axis(
+    goal: &Goal,
+    at: f64,
+    robot: &Robot,
+    request: &MoveRequest,
+) -> Result<Planned, ClientError> {
+    let axis = goal.axis;
+    let own = robot.limits(axis);
+    let limits = narrowed(axis, &own, &request.limits)?;
+    let radians = match goal.target {
+        Target::Absolute(radians) => radians,
+        Target::Relative(radians) => at + radians,
+    };
+    let outside = ClientError::OutsideTravel {
+        axis,
+        target: radians,
+        minimum: own.position_minimum().radians(),
+        maximum: own.position_maximum().radians(),
+    };
+    let Ok(target) = Position::from_radians(radians) else {
+        return Err(outside);
+    };
+    if !own.allow(target) {
+        return Err(outside);
+    }
+    let target = wire_position(target);
+    let from = Position::from_radians(at).map_err(|source| ClientError::Quantity { axis, source })?;
+    let range = (target - from).abs() + Position::from_counts(RANGE_MARGIN);
+    let duration = match request.profile {
+        ProfileKind::Beta => Beta::shortest(range, &limits),
+        ProfileKind::Trapezoid => {
+            Trapezoid::shortest(range, &limits).map(|trapezoid| trapezoid.duration())
+        }
+    };
+    Ok(Planned {
+        axis,
+        target,
+        duration: duration.ok_or(ClientError::TooLong { axis })?,
+        limits,
+        range,
+    })
+}
+
+/// The axis's limits with those of one move, which must not be above them.
+fn narrowed(axis: AxisId, own: &Limits, wanted: &Overrides) -> Result<Limits, ClientError> {
+    let pick = |field: &'static str, own: f64, wanted: Option<f64>| match wanted {
+        // The last digits of a limit are lost in its counts: who asks for the limit gets it.
+        Some(value) if value > own * (1.0 + 1e-9) => Err(ClientError::AboveLimit {
+            axis,
+            field,
+            value,
+            limit: (own * 1e9).round() / 1e9,
+        }),
+        Some(value) => Ok(value),
+        None => Ok(own),
+    };
+    // Values that no axis could have are refused by name before they are compared.
+    Limits::new(&LimitValues {
+        velocity: wanted.velocity.unwrap_or(DEFAULT_VALUES.velocity),
+        acceleration: wanted.acceleration.unwrap_or(DEFAULT_VALUES.acceleration),
+        deceleration: wanted.deceleration.unwrap_or(DEFAULT_VALUES.deceleration),
+        jerk: wanted.jerk.unwrap_or(DEFAULT_VALUES.jerk),
+        ..DEFAULT_VALUES
+    })?;
+    let limits = LimitValues {
+        velocity: pick("--vmax", own.velocity().radians(), wanted.velocity)?,
+        acceleration: pick("--amax", own.acceleration().radians(), wanted.acceleration)?,
+        deceleration: pick("--dmax", own.deceleration().radians(), wanted.deceleration)?,
+        jerk: pick("--jmax", own.jerk().radians(), wanted.jerk)?,
+        ..DEFAULT_VALUES
+    };
+    Ok(Limits::new(&limits)?)
+}

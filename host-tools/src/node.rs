@@ -1,0 +1,154 @@
+//! Axis nodes in a host process, in real time, from the firmware's own core.
+
+mod trace;
+
+pub use trace::{Trace, TraceError};
+
+use crate::bus::{Bus, BusError, ErrorEvent, Event};
+use crate::robot::Robot;
+use canter_shared::drive::simulated::Simulated;
+use canter_shared::node::{Board, BusEvent, Identity, Node, NodeError};
+use canter_shared::time::{BusTime, LocalTime};
+use canter_shared::units::Position;
+use canter_shared::wire::id::{AxisId, LAST_AXIS};
+use std::collections::hash_map::RandomState;
+use std::hash::{BuildHasher, Hasher};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Frames taken in a row before the tick is looked at again.
+const FRAMES_IN_A_ROW: usize = 64;
+
+/// Why a node ended.
+#[derive(Debug, thiserror::Error)]
+pub enum HostNodeError {
+    /// The bus failed.
+    #[error(transparent)]
+    Bus(#[from] BusError),
+    /// The axes cannot be what was asked for.
+    #[error(transparent)]
+    Node(#[from] NodeError),
+    /// The trace cannot be written.
+    #[error(transparent)]
+    Trace(#[from] TraceError),
+}
+
+/// What a node did while it ran.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Summary {
+    /// Ticks run.
+    pub ticks: u64,
+    /// Ticks that ran more than 1 ms late: the machine was busy elsewhere.
+    pub late: u64,
+    /// The latest tick, in microseconds.
+    pub latest: u64,
+    /// Frames that the bus did not take.
+    pub unsent: u64,
+}
+
+type HostNode = Node<Simulated, { LAST_AXIS as usize }>;
+
+/// A chip id that no other process has: two nodes with one axis id must be told apart.
+fn chip() -> [u8; 12] {
+    let random = || RandomState::new().build_hasher().finish().to_le_bytes();
+    let mut chip = [0; 12];
+    for (byte, from) in chip.iter_mut().zip(random().into_iter().chain(random())) {
+        *byte = from;
+    }
+    chip
+}
+
+/// Runs nodes for `axes` on `bus` until `stop` is set.
+///
+/// # Errors
+/// The bus or the trace failed, or the axes are not possible.
+pub fn run(
+    bus: &mut impl Bus,
+    axes: &[AxisId],
+    robot: &Robot,
+    mut trace: Option<Trace>,
+    stop: &AtomicBool,
+) -> Result<Summary, HostNodeError> {
+    // On the heap: room for all axes is too much for a stack.
+    let mut node: Box<HostNode> = Box::new(Node::new(Identity {
+        chip: chip(),
+        firmware: crate::version(),
+        board: Board::Host,
+    }));
+    for axis in axes {
+        let drive = Simulated::new(Position::ZERO);
+        node.add_axis(*axis, robot.limits(*axis), drive)?;
+    }
+    let mut summary = Summary::default();
+    while !stop.load(Ordering::Relaxed) {
+        run_due_ticks(&mut node, bus, &mut trace, &mut summary)?;
+        transmit(&mut node, bus, &mut summary)?;
+        // The node's clock is the bus's own: its local time is what the bus shows.
+        let mut until = BusTime(node.next_tick().0);
+        for _ in 0..FRAMES_IN_A_ROW {
+            let Some(received) = bus.receive(until)? else {
+                break;
+            };
+            let at = LocalTime(received.time.0);
+            match received.event {
+                Event::Frame(frame) => node.handle_frame(at, &frame),
+                Event::Error(error) => count(&mut node, &error),
+            }
+            // What else is there is taken at once, then answered.
+            until = BusTime(0);
+        }
+    }
+    if let Some(trace) = &mut trace {
+        trace.flush()?;
+    }
+    Ok(summary)
+}
+
+fn run_due_ticks(
+    node: &mut HostNode,
+    bus: &mut impl Bus,
+    trace: &mut Option<Trace>,
+    summary: &mut Summary,
+) -> Result<(), HostNodeError> {
+    loop {
+        let now = LocalTime(bus.now().0);
+        let due = node.next_tick();
+        if now < due {
+            return Ok(());
+        }
+        if due.0 > 0 {
+            let late = now.since(due);
+            summary.latest = summary.latest.max(late);
+            summary.late += u64::from(late > 1_000);
+        }
+        summary.ticks += 1;
+        let setpoints = node.tick(now);
+        if let Some(trace) = trace {
+            trace.write(setpoints)?;
+        }
+    }
+}
+
+fn transmit(
+    node: &mut HostNode,
+    bus: &mut impl Bus,
+    summary: &mut Summary,
+) -> Result<(), HostNodeError> {
+    while let Some(frame) = node.poll_transmit(LocalTime(bus.now().0)) {
+        match bus.send(&frame) {
+            Ok(()) => {}
+            // The axes go on without: their host will miss them and stop beating.
+            Err(BusError::SendQueueFull { .. }) => summary.unsent += 1,
+            Err(error) => return Err(error.into()),
+        }
+    }
+    Ok(())
+}
+
+fn count(node: &mut HostNode, error: &ErrorEvent) {
+    match error {
+        ErrorEvent::BusOff => node.count(BusEvent::BusOff),
+        ErrorEvent::LostReception(_) => node.count(BusEvent::LostReception),
+        ErrorEvent::ErrorPassive | ErrorEvent::Other(_) => node.count(BusEvent::ErrorFrame),
+        ErrorEvent::Restarted => {}
+    }
+}

@@ -1,0 +1,221 @@
+//! The robot file: which axes there are and what each may do.
+//!
+//! ```toml
+//! [[axis]]
+//! id = 1
+//! [axis.limits]          # what is left out keeps its default
+//! velocity = 10.0        # rad/s
+//! acceleration = 100.0   # rad/s^2
+//! deceleration = 100.0   # rad/s^2
+//! jerk = 10000.0         # rad/s^3
+//! position_min = -1.6    # rad
+//! position_max = 1.6     # rad
+//! ```
+
+use canter_shared::limits::{DEFAULT_VALUES, LimitError, LimitValues, Limits};
+use canter_shared::wire::id::{AxisId, LAST_AXIS};
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+
+/// Axes of the robot that is assumed where no file names one: four legs of three.
+pub const DEFAULT_AXES: u8 = 12;
+
+/// One axis of a robot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RobotAxis {
+    /// Its number on the bus.
+    pub id: AxisId,
+    /// What it may do.
+    pub limits: Limits,
+}
+
+/// A robot: its axes in the order of the file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Robot {
+    axes: Vec<RobotAxis>,
+}
+
+/// Why a robot file cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum RobotError {
+    /// It cannot be read.
+    #[error("cannot read the robot file {path}: {source}")]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// It is not TOML, or not of this shape.
+    #[error("the robot file {path} is not valid: {source}")]
+    Syntax {
+        /// The file.
+        path: PathBuf,
+        /// Where and why.
+        source: Box<toml::de::Error>,
+    },
+    /// An axis id is out of range or stands twice.
+    #[error("the robot file {path} names axis {id}: ids are from 1 to {LAST_AXIS}, each once")]
+    Axis {
+        /// The file.
+        path: PathBuf,
+        /// The id.
+        id: u8,
+    },
+    /// No axis at all.
+    #[error("the robot file {path} has no [[axis]]")]
+    Empty {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A limit is out of range.
+    #[error("the robot file {path}, axis {id}: {source}")]
+    Limit {
+        /// The file.
+        path: PathBuf,
+        /// The axis.
+        id: u8,
+        /// Which limit, and its range.
+        source: LimitError,
+    },
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    #[serde(default)]
+    axis: Vec<FileAxis>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FileAxis {
+    id: u8,
+    #[serde(default)]
+    limits: FileLimits,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+struct FileLimits {
+    velocity: Option<f64>,
+    acceleration: Option<f64>,
+    deceleration: Option<f64>,
+    jerk: Option<f64>,
+    position_min: Option<f64>,
+    position_max: Option<f64>,
+}
+
+impl FileLimits {
+    fn values(&self) -> LimitValues {
+        let default = DEFAULT_VALUES;
+        LimitValues {
+            velocity: self.velocity.unwrap_or(default.velocity),
+            acceleration: self.acceleration.unwrap_or(default.acceleration),
+            deceleration: self.deceleration.unwrap_or(default.deceleration),
+            jerk: self.jerk.unwrap_or(default.jerk),
+            position_minimum: self.position_min.unwrap_or(default.position_minimum),
+            position_maximum: self.position_max.unwrap_or(default.position_maximum),
+        }
+    }
+}
+
+impl Robot {
+    /// Reads a robot file.
+    ///
+    /// # Errors
+    /// The file's name, and what is wrong in it.
+    pub fn read(path: &Path) -> Result<Self, RobotError> {
+        let text = std::fs::read_to_string(path).map_err(|source| RobotError::Read {
+            path: path.to_owned(),
+            source,
+        })?;
+        Self::parse(&text, path)
+    }
+
+    fn parse(text: &str, path: &Path) -> Result<Self, RobotError> {
+        let path = || path.to_owned();
+        let file: File = toml::from_str(text).map_err(|source| RobotError::Syntax {
+            path: path(),
+            source: Box::new(source),
+        })?;
+        if file.axis.is_empty() {
+            return Err(RobotError::Empty { path: path() });
+        }
+        let mut axes: Vec<RobotAxis> = Vec::new();
+        for FileAxis { id: number, limits } in &file.axis {
+            let id = AxisId::new(*number)
+                .filter(|id| axes.iter().all(|axis| axis.id != *id))
+                .ok_or_else(|| RobotError::Axis {
+                    path: path(),
+                    id: *number,
+                })?;
+            let limits = Limits::new(&limits.values()).map_err(|source| RobotError::Limit {
+                path: path(),
+                id: *number,
+                source,
+            })?;
+            axes.push(RobotAxis { id, limits });
+        }
+        Ok(Self { axes })
+    }
+
+    /// The axes.
+    pub fn axes(&self) -> &[RobotAxis] {
+        &self.axes
+    }
+
+    /// What an axis may do: the defaults where the robot does not name it.
+    pub fn limits(&self, id: AxisId) -> Limits {
+        self.axes
+            .iter()
+            .find(|axis| axis.id == id)
+            .map_or_else(Limits::default, |axis| axis.limits)
+    }
+}
+
+impl Default for Robot {
+    /// Twelve axes with the default limits.
+    fn default() -> Self {
+        let axes = (1..=DEFAULT_AXES)
+            .filter_map(AxisId::new)
+            .map(|id| RobotAxis {
+                id,
+                limits: Limits::default(),
+            })
+            .collect();
+        Self { axes }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(text: &str) -> Result<Robot, RobotError> {
+        Robot::parse(text, Path::new("robot.toml"))
+    }
+
+    #[test]
+    fn limits_of_a_file() {
+        let robot = parse("[[axis]]\nid = 3\n[axis.limits]\nvelocity = 5.0\n").expect("valid");
+        let id = AxisId::new(3).expect("in range");
+        assert!((robot.limits(id).velocity().radians() - 5.0).abs() < 1e-8);
+        assert_eq!(robot.axes().len(), 1);
+    }
+
+    #[test]
+    fn bad_files_say_what_is_wrong() {
+        for (text, word) in [
+            ("", "no [[axis]]"),
+            ("[[axis]]\nid = 0\n", "axis 0"),
+            ("[[axis]]\nid = 1\n[[axis]]\nid = 1\n", "axis 1"),
+            ("[[axis]]\nid = 1\nspeed = 3\n", "speed"),
+            ("[[axis]]\nid = 1\n[axis.limits]\njerk = -1.0\n", "limits.jerk"),
+            ("[[axis]]\nid = 1\n[axis.limits]\nvelocity = nan\n", "limits.velocity"),
+        ] {
+            let message = parse(text).expect_err(text).to_string();
+            assert!(message.contains(word), "{message}");
+        }
+    }
+}
