@@ -58,11 +58,7 @@ async fn due(node: &SharedNode, signals: &Signals) -> LocalTime {
     }
 }
 
-fn count<D: canter_shared::drive::Drive>(
-    node: &mut Node<D, AXES>,
-    event: BusEvent,
-    times: u32,
-) {
+fn count<D: canter_shared::drive::Drive>(node: &mut Node<D, AXES>, event: BusEvent, times: u32) {
     for _ in 0..times {
         node.count(event);
     }

@@ -19,14 +19,20 @@ pub struct Received {
 ///
 /// What goes wrong on the bus is not a result of `receive`: it would have to queue behind frames,
 /// and a full queue is one of the things that go wrong. See [`BusMonitor`].
-#[expect(async_fn_in_trait, reason = "the executors here never move a task between threads")]
+#[expect(
+    async_fn_in_trait,
+    reason = "the executors here never move a task between threads"
+)]
 pub trait CanReceive {
     /// The next frame, in the order of arrival.
     async fn receive(&mut self) -> Received;
 }
 
 /// The transmitting half of a CAN bus.
-#[expect(async_fn_in_trait, reason = "the executors here never move a task between threads")]
+#[expect(
+    async_fn_in_trait,
+    reason = "the executors here never move a task between threads"
+)]
 pub trait CanTransmit {
     /// Ends when the hardware has taken the frame, which can be never on a bus without a peer.
     async fn transmit(&mut self, frame: &Frame);

@@ -110,3 +110,21 @@ impl std::fmt::Display for ErrorEvent {
 pub fn open(address: &str) -> Result<Box<dyn Bus>, BusError> {
     address.parse::<Address>()?.open()
 }
+
+impl<B: Bus + ?Sized> Bus for Box<B> {
+    fn now(&self) -> BusTime {
+        (**self).now()
+    }
+
+    fn send(&mut self, frame: &Frame) -> Result<(), BusError> {
+        (**self).send(frame)
+    }
+
+    fn receive(&mut self, until: BusTime) -> Result<Option<Received>, BusError> {
+        (**self).receive(until)
+    }
+
+    fn description(&self) -> String {
+        (**self).description()
+    }
+}

@@ -1,3 +1,32 @@
 //! The host's side of canter: what the command `canter` is made of.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | [`bus`] | SocketCAN, SLCAN: ways onto a CAN bus |
+//! | [`sim`] | a simulated robot with a bus of its own, in virtual time |
+//! | [`client`] | a commander of axes: finds, holds, moves, stops |
+//! | [`node`] | axis nodes in a host process |
+//! | [`robot`] | the robot file |
+//! | [`notation`] | how people write axes and quantities |
+//! | [`log`], [`plot`] | recordings and reports |
+//! | [`dbc`] | the protocol for other people's tools |
 
 pub mod bus;
+pub mod client;
+pub mod dbc;
+pub mod log;
+pub mod node;
+pub mod notation;
+pub mod plot;
+pub mod robot;
+pub mod sim;
+
+/// The version of this crate: major, minor, patch.
+pub fn version() -> [u8; 3] {
+    let part = |text: &str| text.parse().unwrap_or(0);
+    [
+        part(env!("CARGO_PKG_VERSION_MAJOR")),
+        part(env!("CARGO_PKG_VERSION_MINOR")),
+        part(env!("CARGO_PKG_VERSION_PATCH")),
+    ]
+}

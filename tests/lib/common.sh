@@ -61,7 +61,7 @@ need_images() { need_rust clippy llvm-tools rust-std-thumbv7em-none-eabihf; }
 # A Python with the packages of tests/requirements.txt; tests find it in CANTER_PYTHON.
 need_python() {
     need python3-venv
-    local venv=$CANTER_TARGET/venv
+    local venv=$CARGO_TARGET_DIR/venv
     if ! cmp -s tests/requirements.txt "$venv/requirements.txt"; then
         say "making $venv"
         rm -rf "$venv"
@@ -76,7 +76,7 @@ need_python() {
 # It reads the output for that: RUSTFLAGS="-D warnings" would replace the flags of .cargo/config.toml.
 image_cargo() {
     say "cargo $*"
-    local log=$CANTER_TARGET/image.log
+    local log=$CARGO_TARGET_DIR/image.log
     CARGO_TERM_COLOR=never cargo "$@" --locked --target thumbv7em-none-eabihf 2>&1 | tee "$log"
     # What cargo says of other people's packages is not ours to mend.
     if grep '^warning' "$log" | grep -qv 'by a future version of Rust'; then die "there are warnings"; fi

@@ -3,11 +3,12 @@
 # CANTER_VCAN_ARGS is passed to the tests, as in CANTER_VCAN_ARGS="a_test --nocapture".
 source tests/lib/common.sh
 need_rust
+need_python
 need can-utils iproute2
 
 say "build"
 cargo build --locked --release --package canter
-CANTER_BIN=$CANTER_TARGET/release/canter
+CANTER_BIN=$CARGO_TARGET_DIR/release/canter
 mapfile -t tests < <(
     cargo test --locked --release --package canter-tests --test 'vcan*' --no-run --message-format=json |
         sed -n '/"kind":\["test"\]/s/.*"executable":"\([^"]*\)".*/\1/p'
@@ -18,15 +19,16 @@ mapfile -t tests < <(
 work=$(mktemp -d /tmp/canter-vcan.XXXXXX)
 runner=
 finish() {
-    # An interrupted run leaves no kernel behind: `timeout` passes the signal to all that it started.
-    if [ -n "$runner" ] && kill "$runner" 2>/dev/null; then wait "$runner" || true; fi
+    # Nothing is left behind, be it interrupted or crashed: `timeout` leads a process group of all that
+    # it started, and a killed user-mode Linux leaves helpers that hold its output open.
+    if [ -n "$runner" ]; then kill -KILL -- "-$runner" 2>/dev/null || true; fi
     rm -rf "$work"
 }
 trap finish EXIT
 {
     # The working directory that cargo would give them, and a home that goes away.
     printf 'cd %q\n' "$PWD/tests"
-    printf 'export %s=%q\n' PATH "$PATH" HOME "$work" LC_ALL C.UTF-8 CANTER_BIN "$CANTER_BIN" \
+    printf 'export %s=%q\n' PATH "$PATH" HOME "$work" LC_ALL C.UTF-8 CANTER_BIN "$CANTER_BIN" CANTER_PYTHON "$CANTER_PYTHON" \
         CANTER_MEASUREMENTS "$CANTER_MEASUREMENTS" RUST_BACKTRACE "${RUST_BACKTRACE:-0}"
     echo "tests=($(printf '%q ' "${tests[@]}"))"
     echo "arguments=(${CANTER_VCAN_ARGS:-})"
@@ -45,8 +47,8 @@ else
     need user-mode-linux busybox-static
     say "run, in user-mode Linux"
     # Its memory is a file, which must be executable and large: /dev/shm is neither in containers.
-    memory=$CANTER_TARGET
-    if [ "$(df --output=avail -k /dev/shm 2>/dev/null | tail -1)" -gt 600000 ] &&
+    memory=$CARGO_TARGET_DIR
+    if [ "$(df --output=avail -k /dev/shm 2>/dev/null | tail -1)" -gt 600000 ] 2>/dev/null &&
         ! grep -q ' /dev/shm .*noexec' /proc/mounts; then
         memory=/dev/shm
     fi
@@ -60,6 +62,7 @@ reader=$!
 timeout --kill-after=10 900 "${command[@]}" </dev/null >"$work/output" 2>&1 &
 runner=$!
 wait "$runner" || true
+kill -KILL -- "-$runner" 2>/dev/null || true
 runner=
 wait "$reader"
 
@@ -69,7 +72,7 @@ wait "$reader"
 
 # A skipped test is a failed run.
 for ((run = 1; run <= ${#tests[@]}; run++)); do
-    result=$(grep '^test result: ' "$work/log" | sed -n "${run}p")
+    result=$(grep "^test result: " "$work/log" | sed -n "${run}p" || true)
     [[ $result =~ ok\.\ ([0-9]+)\ passed ]] || die "a test program gave no result"
     [ "${BASH_REMATCH[1]}" -gt 0 ] || die "no test ran: $result"
     [[ $result == *" 0 ignored"* ]] || die "tests were skipped: $result"

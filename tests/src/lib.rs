@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`process`] | a program under test: its lines as they come, its end, killed when dropped |
 //! | [`candump`] | what was on a CAN bus, as seen by can-utils rather than by canter |
+//! | [`trace`] | what a node's setpoints were, and what must hold for them |
 //! | [`tidy`] | the rules of the house, as checks on the sources |
 //!
 //! Nothing here sleeps to wait for an event: each wait is for a line, a frame or an exit, and ends
@@ -13,6 +14,7 @@
 pub mod candump;
 pub mod process;
 pub mod tidy;
+pub mod trace;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

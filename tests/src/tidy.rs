@@ -31,7 +31,10 @@ pub const CRATES: &[(&str, &[&str])] = &[
     ("canter", &["canter-shared"]),
     ("canter-firmware", &["canter-shared"]),
     ("canter-images", &["canter-shared", "canter-firmware"]),
-    ("canter-tests", &["canter", "canter-shared"]),
+    (
+        "canter-tests",
+        &["canter", "canter-shared", "canter-images"],
+    ),
 ];
 
 /// The longest that a source file may be.

@@ -2,11 +2,12 @@
 //!
 //! ```text
 //! qemu-system-arm -M netduinoplus2 -kernel IMAGE -nographic -monitor none -no-reboot \
-//!     -icount shift=0 -serial tcp:127.0.0.1:PORT,server=on,wait=off -serial file:TRACE
+//!     -serial tcp:127.0.0.1:PORT,server=on,wait=off,nodelay=on -serial file:TRACE
 //! ```
 //!
 //! The first serial port is the CAN bus, as SLCAN; the second is the drive port, see
-//! [`canter_firmware::emulated::trace`].
+//! [`canter_firmware::emulated::trace`]. Without `-icount` the node's clock is the host's; with it
+//! the node lags behind whenever QEMU does, and no SYNC can discipline that.
 #![no_std]
 #![no_main]
 

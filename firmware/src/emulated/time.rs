@@ -1,9 +1,8 @@
 //! The time driver: TIM2 tells the time, SysTick wakes.
 //!
-//! SysTick alone could do both, but then either it interrupts at a fixed rate, and QEMU's clock
-//! falls behind the host's under ten thousand interrupts a second (a third of real time, seen), or it
-//! is set anew for each alarm and loses a fraction of a count each time. A counter that is only
-//! read does not drift.
+//! SysTick alone could do both, but then it either interrupts at a fixed rate (at 10 kHz QEMU's
+//! clock falls behind the host's, seen), or is set anew for each alarm and loses a fraction of
+//! a count each time. A counter that is only read does not drift.
 
 use core::cell::{Cell, RefCell};
 use core::task::Waker;

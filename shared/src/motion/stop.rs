@@ -64,7 +64,8 @@ pub(crate) fn plan(entry: Entry, limits: &Limits) -> Option<Stop> {
         hold: if hold > 1e-6 { libm::ceil(hold) } else { 0.0 },
         release: ticks(peak / jerk),
     };
-    if !(durations.ramp + durations.hold + durations.release < f64::from(LONGEST_MOVE.0)) {
+    let whole = durations.ramp + durations.hold + durations.release;
+    if whole.is_nan() || whole >= f64::from(LONGEST_MOVE.0) {
         return None;
     }
     // While it still accelerates, the velocity rises by a^2 / (2 j): the velocity limit goes

@@ -11,6 +11,8 @@
 //! image got to its end.
 #![no_std]
 
+pub mod scenario;
+
 #[cfg(target_arch = "arm")]
 mod machine;
 

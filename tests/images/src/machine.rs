@@ -35,7 +35,7 @@ fn span<T>(call: impl FnOnce() -> T) -> u32 {
 }
 
 /// Prints one result.
-pub fn report(name: &str, value: impl Display) {
+pub fn report(name: impl Display, value: impl Display) {
     hprintln!("{name}={value}");
 }
 

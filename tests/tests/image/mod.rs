@@ -9,9 +9,11 @@ use canter_tests::root;
 /// # Panics
 /// When it has not been built: a missing image is a failed test, not a skipped one.
 pub fn path(name: &str) -> PathBuf {
-    let target = std::env::var_os("CARGO_TARGET_DIR");
-    let target = target.map_or_else(|| root().join("target"), PathBuf::from);
-    let path = target.join("thumbv7em-none-eabihf/firmware").join(name);
+    let target = std::env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
+    let path = root()
+        .join(target)
+        .join("thumbv7em-none-eabihf/firmware")
+        .join(name);
     let built = path.is_file();
     assert!(
         built,

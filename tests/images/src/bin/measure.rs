@@ -2,8 +2,30 @@
 #![no_std]
 #![no_main]
 
+use core::fmt::Display;
+use core::hint::black_box;
+
 use canter_images::{count, finish, report};
+use canter_shared::drive::simulated::Simulated;
+use canter_shared::limits::Limits;
+use canter_shared::motion::beta::Beta;
+use canter_shared::node::{Board, Identity, Node};
+use canter_shared::time::{LocalTime, Tick, Ticks};
+use canter_shared::units::{COUNTS_PER_TURN, Position};
+use canter_shared::wire::command::{Action, Command, ProfileKind};
+use canter_shared::wire::frame::Frame;
+use canter_shared::wire::id::{Address, AxisId};
 use cortex_m_rt::entry;
+
+const SESSION: u16 = 1;
+
+#[entry]
+fn main() -> ! {
+    report("calibration.nops_1000", count(nops_1000));
+    measure_beta();
+    measure_node();
+    finish()
+}
 
 /// A known number of instructions, to see that the count is right.
 #[inline(always)]
@@ -12,8 +34,159 @@ fn nops_1000() {
     unsafe { core::arch::asm!(".rept 1000", "nop", ".endr", options(nomem, nostack)) };
 }
 
-#[entry]
-fn main() -> ! {
-    report("calibration.nops_1000", count(nops_1000));
-    finish()
+/// The least, the mean and the most of some counts.
+struct Spread {
+    least: u32,
+    most: u32,
+    sum: u32,
+    counts: u32,
+}
+
+impl Spread {
+    fn new() -> Self {
+        Self {
+            least: u32::MAX,
+            most: 0,
+            sum: 0,
+            counts: 0,
+        }
+    }
+
+    fn add(&mut self, count: u32) {
+        self.least = self.least.min(count);
+        self.most = self.most.max(count);
+        self.sum += count;
+        self.counts += 1;
+    }
+
+    fn report(&self, name: impl Display) {
+        let mean = self.sum / self.counts.max(1);
+        report(format_args!("{name}.least"), self.least);
+        report(format_args!("{name}.mean"), mean);
+        report(format_args!("{name}.most"), self.most);
+    }
+}
+
+fn measure_beta() {
+    let beta = Beta::new(
+        Tick(0),
+        Position::from_counts(3 * COUNTS_PER_TURN),
+        Ticks(1_000),
+    );
+    let (mut position, mut setpoint) = (Spread::new(), Spread::new());
+    for tick in 1..1_000 {
+        let (beta, tick) = (black_box(&beta), black_box(Tick(tick)));
+        position.add(count(|| beta.position(tick)));
+        setpoint.add(count(|| beta.at(tick)));
+    }
+    position.report("beta.position");
+    setpoint.report("beta.setpoint");
+}
+
+/// A node with one axis, its answers thrown away.
+struct Bench {
+    node: Node<Simulated, 1>,
+    sequence: u8,
+}
+
+impl Bench {
+    fn new() -> Self {
+        let mut node = Node::new(Identity {
+            chip: [0; 12],
+            firmware: [0; 3],
+            board: Board::Emulated,
+        });
+        if let Some(axis) = AxisId::new(1) {
+            let added = node.add_axis(axis, Limits::default(), Simulated::new(Position::ZERO));
+            assert!(added.is_ok(), "a node has room for its axis");
+        }
+        Self { node, sequence: 0 }
+    }
+
+    fn tick(&mut self) -> u32 {
+        let now = self.node.next_tick();
+        let node = &mut self.node;
+        let count = count(|| node.tick(black_box(now)).len());
+        while node.poll_transmit(now).is_some() {}
+        count
+    }
+
+    fn say(&mut self, command: Command) -> u32 {
+        let now = self.node.next_tick();
+        let axis = AxisId::new(1).map_or(Address::All, Address::Axis);
+        let Ok(frame) = command.encode(axis) else {
+            panic!("{command:?} does not fit a frame")
+        };
+        self.handle(now, &frame)
+    }
+
+    fn handle(&mut self, now: LocalTime, frame: &Frame) -> u32 {
+        let node = &mut self.node;
+        count(|| node.handle_frame(black_box(now), black_box(frame)))
+    }
+
+    fn sequence(&mut self) -> u8 {
+        self.sequence = self.sequence.wrapping_add(1);
+        self.sequence
+    }
+
+    fn control(&mut self, action: Action) -> u32 {
+        let sequence = self.sequence();
+        self.say(Command::Control {
+            action,
+            sequence,
+            session: SESSION,
+        })
+    }
+
+    fn go(&mut self, turns: i64, profile: ProfileKind) -> u32 {
+        let sequence = self.sequence();
+        self.say(Command::Move {
+            profile,
+            staged: false,
+            target: Position::from_counts(turns * COUNTS_PER_TURN),
+            duration: Ticks(2_000),
+            sequence,
+        })
+    }
+}
+
+fn measure_node() {
+    let mut bench = Bench::new();
+    bench.tick();
+    bench.control(Action::Hold);
+    bench.control(Action::Enable);
+    for _ in 0..10 {
+        bench.tick();
+    }
+    // Given back, the axis keeps what it is doing and needs no heartbeats.
+    bench.control(Action::Release);
+    let mut still = Spread::new();
+    for _ in 0..1_000 {
+        still.add(bench.tick());
+    }
+    still.report("node.tick_at_rest");
+    for (profile, name) in [
+        (ProfileKind::Beta, "beta"),
+        (ProfileKind::Trapezoid, "trapezoid"),
+    ] {
+        let (mut start, mut moving, mut retarget) = (Spread::new(), Spread::new(), Spread::new());
+        for round in 0..20 {
+            bench.control(Action::Hold);
+            start.add(bench.go(1 + round % 3, profile));
+            bench.control(Action::Release);
+            for _ in 0..500 + 50 * (round as u32 % 16) {
+                moving.add(bench.tick());
+            }
+            bench.control(Action::Hold);
+            retarget.add(bench.go(-3 + round % 5, profile));
+            bench.control(Action::Release);
+            for _ in 0..4_500 {
+                bench.tick();
+            }
+        }
+        start.report(format_args!("node.start_{name}"));
+        moving.report(format_args!("node.tick_{name}"));
+        retarget.report(format_args!("node.retarget_{name}"));
+    }
 }

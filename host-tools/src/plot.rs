@@ -1,0 +1,42 @@
+//! Charts as SVG, and reports as one HTML file that needs nothing else.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `report` | the page: a summary and charts |
+//! | `chart` | what a chart shows |
+//! | `draw` | a chart as SVG |
+//! | `legend` | the names under a chart |
+//! | `thin` | fewer points that look the same |
+
+mod chart;
+mod draw;
+mod legend;
+pub mod report;
+mod thin;
+
+pub use chart::{Axis, Chart, Level, Mark, Series};
+
+use thiserror::Error;
+
+/// Why something cannot be plotted.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum PlotError {
+    /// A number that has no place in a picture.
+    #[error("chart `{chart}`, `{name}`: number {index} is infinite or none at all")]
+    NotFinite {
+        /// The chart's title.
+        chart: String,
+        /// The name of the series or level.
+        name: String,
+        /// Which point of the series, from 0; 0 for a level.
+        index: usize,
+    },
+    /// The drawing library gave up.
+    #[error("chart `{chart}` cannot be drawn: {cause}")]
+    Draw {
+        /// The chart's title.
+        chart: String,
+        /// What it said.
+        cause: String,
+    },
+}
