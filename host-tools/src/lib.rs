@@ -8,12 +8,14 @@
 //! | [`node`] | axis nodes in a host process |
 //! | [`robot`] | the robot file |
 //! | [`notation`] | how people write axes and quantities |
+//! | [`demo`] | the demonstration |
 //! | [`log`], [`plot`] | recordings and reports |
 //! | [`dbc`] | the protocol for other people's tools |
 
 pub mod bus;
 pub mod client;
 pub mod dbc;
+pub mod demo;
 pub mod log;
 pub mod node;
 pub mod notation;

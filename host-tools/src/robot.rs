@@ -211,8 +211,14 @@ mod tests {
             ("[[axis]]\nid = 0\n", "axis 0"),
             ("[[axis]]\nid = 1\n[[axis]]\nid = 1\n", "axis 1"),
             ("[[axis]]\nid = 1\nspeed = 3\n", "speed"),
-            ("[[axis]]\nid = 1\n[axis.limits]\njerk = -1.0\n", "limits.jerk"),
-            ("[[axis]]\nid = 1\n[axis.limits]\nvelocity = nan\n", "limits.velocity"),
+            (
+                "[[axis]]\nid = 1\n[axis.limits]\njerk = -1.0\n",
+                "limits.jerk",
+            ),
+            (
+                "[[axis]]\nid = 1\n[axis.limits]\nvelocity = nan\n",
+                "limits.velocity",
+            ),
         ] {
             let message = parse(text).expect_err(text).to_string();
             assert!(message.contains(word), "{message}");

@@ -220,9 +220,12 @@ impl Bus for SimulatedBus {
             let arrives = self.incoming.front().map(|(time, _)| *time);
             let event = self.next_event();
             // At one instant the robot is first, so that nothing of it is left in the past.
-            if let Some(event) = event.filter(|event| *event <= arrives.unwrap_or(until).min(until)) {
+            if let Some(event) = event.filter(|event| *event <= arrives.unwrap_or(until).min(until))
+            {
                 self.step(event);
-            } else if let Some((time, frame)) = self.incoming.pop_front_if(|(time, _)| *time <= until) {
+            } else if let Some((time, frame)) =
+                self.incoming.pop_front_if(|(time, _)| *time <= until)
+            {
                 self.now = self.now.max(time);
                 return Ok(Some(Received {
                     time: time.bus_time(),

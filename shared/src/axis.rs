@@ -99,7 +99,7 @@ pub struct Axis {
     shape: Option<(Ticks, Ticks)>,
     departure: Option<Departure>,
     last_command: Option<(Frame, Report)>,
-    last_trigger: Option<Frame>,
+    last_trigger: Option<(Frame, Report)>,
     telemetry: Telemetry,
     counters: Counters,
 }
@@ -240,15 +240,23 @@ impl Axis {
 
     /// Follows a step of the bus clock to `tick`, which happens at rest only.
     pub fn rebase(&mut self, tick: Tick) {
+        let step = tick.0.wrapping_sub(self.tick.0) as i64;
         self.tick = tick;
-        self.since = tick;
-        self.commander.rebase(tick);
+        self.since = Tick(self.since.0.saturating_add_signed(step));
+        self.commander.rebase(step);
         self.motion.fold(Tick(u64::MAX));
         self.departure = None;
     }
 
-    fn drive_is_enabled(&self) -> bool {
-        self.drive
-            .is_some_and(|report| report.condition == Condition::Enabled)
+    fn condition(&self) -> Option<Condition> {
+        self.drive.map(|report| report.condition)
+    }
+
+    /// Whether the drive is there and without a fault of its own.
+    fn drive_is_ready(&self) -> bool {
+        matches!(
+            self.condition(),
+            Some(Condition::Disabled | Condition::Enabled)
+        )
     }
 }

@@ -109,7 +109,8 @@ impl Limits {
     /// # Errors
     /// The first value that is not a number or out of its range, by name.
     pub fn new(values: &LimitValues) -> Result<Self, LimitError> {
-        let rate = |field, unit, value, maximum| checked(field, unit, value, SMALLEST_RATE, maximum);
+        let rate =
+            |field, unit, value, maximum| checked(field, unit, value, SMALLEST_RATE, maximum);
         let velocity = rate(
             "limits.velocity",
             "rad/s",
@@ -229,10 +230,34 @@ mod tests {
     fn every_bad_value_is_named() {
         for bad in [f64::NAN, 0.0, -1.0, f64::INFINITY, 1e300] {
             let cases = [
-                ("limits.velocity", LimitValues { velocity: bad, ..DEFAULT_VALUES }),
-                ("limits.acceleration", LimitValues { acceleration: bad, ..DEFAULT_VALUES }),
-                ("limits.deceleration", LimitValues { deceleration: bad, ..DEFAULT_VALUES }),
-                ("limits.jerk", LimitValues { jerk: bad, ..DEFAULT_VALUES }),
+                (
+                    "limits.velocity",
+                    LimitValues {
+                        velocity: bad,
+                        ..DEFAULT_VALUES
+                    },
+                ),
+                (
+                    "limits.acceleration",
+                    LimitValues {
+                        acceleration: bad,
+                        ..DEFAULT_VALUES
+                    },
+                ),
+                (
+                    "limits.deceleration",
+                    LimitValues {
+                        deceleration: bad,
+                        ..DEFAULT_VALUES
+                    },
+                ),
+                (
+                    "limits.jerk",
+                    LimitValues {
+                        jerk: bad,
+                        ..DEFAULT_VALUES
+                    },
+                ),
             ];
             for (field, values) in cases {
                 let error = Limits::new(&values).expect_err(field);
@@ -240,7 +265,11 @@ mod tests {
                 assert!(error.to_string().starts_with(field));
             }
         }
-        let crossed = LimitValues { position_minimum: 2.0, position_maximum: 1.0, ..DEFAULT_VALUES };
+        let crossed = LimitValues {
+            position_minimum: 2.0,
+            position_maximum: 1.0,
+            ..DEFAULT_VALUES
+        };
         assert_eq!(
             Limits::new(&crossed).map_err(|error| error.field),
             Err("limits.position_max")

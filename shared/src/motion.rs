@@ -270,12 +270,7 @@ impl Motion {
     }
 
     /// Adds a move from the rest that the motion has come to by `start`.
-    fn depart(
-        &mut self,
-        start: Tick,
-        asked: Move,
-        limits: &Limits,
-    ) -> Result<Planned, PlanError> {
+    fn depart(&mut self, start: Tick, asked: Move, limits: &Limits) -> Result<Planned, PlanError> {
         let range = asked.target - self.target();
         let too_fast = |shortest: Option<Ticks>| match shortest {
             Some(shortest) if shortest > asked.duration => PlanError::TooFast { shortest },
@@ -367,8 +362,9 @@ impl Motion {
     /// Comes to rest as quickly as the limits allow, wherever that is; what was still to start is
     /// dropped. Gives the first tick at rest.
     ///
-    /// A stop that would leave the travel is no stop: the motion under way, which was checked to
-    /// stay inside, then runs to its own end.
+    /// Where whole ticks would carry the stop out of the travel, the motion under way, which was
+    /// checked to stay inside and is as good as at its end, runs on to it. From outside the
+    /// travel every stop counts that does not lead farther out.
     pub fn stop(&mut self, now: Tick, limits: &Limits) -> Tick {
         self.drop_pending(now);
         self.fold(now);
@@ -385,7 +381,8 @@ impl Motion {
         match stop::plan(entry, limits) {
             Some(stop)
                 if stop.rest.tick < end
-                    && limits.allow(Position::from_counts(stop.rest.position)) =>
+                    && outside(Position::from_counts(stop.rest.position), limits)
+                        <= outside(state.position, limits) =>
             {
                 self.betas.clear();
                 self.phases.clear();
@@ -397,4 +394,11 @@ impl Motion {
             _ => end,
         }
     }
+}
+
+/// How far a position is outside the travel; zero inside.
+fn outside(position: Position, limits: &Limits) -> Position {
+    let below = limits.position_minimum() - position;
+    let above = position - limits.position_maximum();
+    below.max(above).max(Position::ZERO)
 }

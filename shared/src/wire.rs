@@ -89,9 +89,15 @@ impl fmt::Display for DecodeError {
                 function,
                 field,
                 value,
-            } => write!(formatter, "{function:?} has no meaning for {field} = {value}"),
+            } => write!(
+                formatter,
+                "{function:?} has no meaning for {field} = {value}"
+            ),
             Self::Address { function } => {
-                write!(formatter, "{function:?} is sent to the wrong kind of address")
+                write!(
+                    formatter,
+                    "{function:?} is sent to the wrong kind of address"
+                )
             }
         }
     }

@@ -57,7 +57,10 @@ impl Watch {
             // is one tick long.
             let change = radians((now.acceleration - last.acceleration).counts());
             let jerk = limits.jerk().radians() * 1e-3;
-            prop_assert!(change.abs() <= (2.5 * jerk).max(strongest * 1.001), "acceleration {change}");
+            prop_assert!(
+                change.abs() <= (2.5 * jerk).max(strongest * 1.001),
+                "acceleration {change}"
+            );
         }
         self.last = now;
         Ok(())

@@ -4,7 +4,9 @@ use canter_shared::motion::beta::exact::{Profile, shape};
 use std::path::Path;
 
 fn rows(name: &str) -> Vec<Vec<String>> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/vectors").join(name);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../tests/vectors")
+        .join(name);
     let text = std::fs::read_to_string(&path).expect("the vectors are part of the project");
     let rows: Vec<Vec<String>> = text
         .lines()
@@ -48,6 +50,9 @@ fn durations_and_positions() {
             Some(profile) => profile.at(time).position,
             None => x0,
         };
-        assert!((got - want).abs() <= 1e-12 * range.max(x0.abs() * 1e-3), "{row:?}: {got}");
+        assert!(
+            (got - want).abs() <= 1e-12 * range.max(x0.abs() * 1e-3),
+            "{row:?}: {got}"
+        );
     }
 }

@@ -90,9 +90,10 @@ impl Trace {
 
     /// Whether any axis has moved.
     pub fn moved(&self) -> bool {
-        self.axes
-            .values()
-            .any(|rows| rows.windows(2).any(|pair| pair[0].position != pair[1].position))
+        self.axes.values().any(|rows| {
+            rows.windows(2)
+                .any(|pair| pair[0].position != pair[1].position)
+        })
     }
 
     /// Holds every tick of every axis to the promise: inside the limits, without a jump of
@@ -106,7 +107,10 @@ impl Trace {
         let acceleration = limits.slower_acceleration().radians();
         for (axis, rows) in &self.axes {
             for row in rows {
-                assert!(row.velocity.abs() <= velocity * (1.0 + 1e-9), "axis {axis}: {row:?}");
+                assert!(
+                    row.velocity.abs() <= velocity * (1.0 + 1e-9),
+                    "axis {axis}: {row:?}"
+                );
                 assert!(
                     row.acceleration.abs() <= acceleration * (1.0 + 1e-9),
                     "axis {axis}: {row:?}"
@@ -117,20 +121,29 @@ impl Trace {
                 // The clock may be set while the axis is at rest, and only then.
                 let seconds = 1e-3 * (now.tick as f64 - before.tick as f64);
                 let moving = before.velocity != 0.0 || now.velocity != 0.0;
-                assert!(!moving || now.tick == before.tick + 1, "axis {axis}: {pair:?}");
+                assert!(
+                    !moving || now.tick == before.tick + 1,
+                    "axis {axis}: {pair:?}"
+                );
                 let moved = now.position - before.position;
                 let mean = (now.velocity + before.velocity) / 2.0;
                 // The trapezium rule's error is jerk * T^3 / 12.
                 let slack = 1e-8 + jerk * 1e-9 / 12.0;
                 if moving {
-                    assert!((moved - mean * seconds).abs() <= slack, "axis {axis}: {pair:?}");
+                    assert!(
+                        (moved - mean * seconds).abs() <= slack,
+                        "axis {axis}: {pair:?}"
+                    );
                 } else {
                     assert!(moved.abs() <= 1e-6, "axis {axis}: {pair:?}");
                 }
                 let change = now.velocity - before.velocity;
                 let mean = (now.acceleration + before.acceleration) / 2.0;
                 let slack = 1e-6 + jerk * 1e-6 / 2.0;
-                assert!(!moving || (change - mean * seconds).abs() <= slack, "axis {axis}: {pair:?}");
+                assert!(
+                    !moving || (change - mean * seconds).abs() <= slack,
+                    "axis {axis}: {pair:?}"
+                );
                 let change = (now.acceleration - before.acceleration).abs();
                 assert!(change <= jerk * 1e-3 + 1e-3, "axis {axis}: {pair:?}");
             }
@@ -186,7 +199,8 @@ impl Stretch<'_> {
         };
         let earliest = last.tick.saturating_sub(duration);
         let range = to - from;
-        let offset = |row: &Row, start: f64| 2.0 * (row.tick as f64 - start) / duration as f64 - 1.0;
+        let offset =
+            |row: &Row, start: f64| 2.0 * (row.tick as f64 - start) / duration as f64 - 1.0;
         let error = |start: u64| {
             self.rows
                 .iter()

@@ -24,7 +24,9 @@ pub enum ClientError {
         bus: String,
     },
     /// Nobody is on the bus.
-    #[error("no axis was heard on {bus}: check its power, wiring and bit rate, or start one with `canter node`")]
+    #[error(
+        "no axis was heard on {bus}: check its power, wiring and bit rate, or start one with `canter node`"
+    )]
     NobodyThere {
         /// Which bus.
         bus: String,
@@ -42,7 +44,9 @@ pub enum ClientError {
         detail: u32,
     },
     /// An axis is not enabled.
-    #[error("axis {axis} is not enabled ({state}): run `canter enable {axis}` first, or add --enable")]
+    #[error(
+        "axis {axis} is not enabled ({state}): run `canter enable {axis}` first, or add --enable"
+    )]
     NotEnabled {
         /// Which axis.
         axis: AxisId,
@@ -68,7 +72,9 @@ pub enum ClientError {
         seconds: f64,
     },
     /// An axis was stopped on the way by somebody.
-    #[error("axis {axis} came to rest at {position} rad instead of {target} rad: it was stopped on the way")]
+    #[error(
+        "axis {axis} came to rest at {position} rad instead of {target} rad: it was stopped on the way"
+    )]
     StoppedShort {
         /// Which axis.
         axis: AxisId,
@@ -94,7 +100,9 @@ pub enum ClientError {
         axis: AxisId,
     },
     /// A target is outside the travel.
-    #[error("target {target} rad of axis {axis} is outside its travel of {minimum} to {maximum} rad")]
+    #[error(
+        "target {target} rad of axis {axis} is outside its travel of {minimum} to {maximum} rad"
+    )]
     OutsideTravel {
         /// Which axis.
         axis: AxisId,
@@ -106,7 +114,9 @@ pub enum ClientError {
         maximum: f64,
     },
     /// A limit that was asked for is above the axis's own.
-    #[error("{field} of {value} is above the limit of axis {axis}, {limit}: choose {limit} or less")]
+    #[error(
+        "{field} of {value} is above the limit of axis {axis}, {limit}: choose {limit} or less"
+    )]
     AboveLimit {
         /// Which axis.
         axis: AxisId,
@@ -118,7 +128,9 @@ pub enum ClientError {
         limit: f64,
     },
     /// The chosen duration is too short.
-    #[error("a duration of {asked} s is too short for axis {axis}: its limits allow {shortest} s or more")]
+    #[error(
+        "a duration of {asked} s is too short for axis {axis}: its limits allow {shortest} s or more"
+    )]
     TooShort {
         /// Which axis.
         axis: AxisId,

@@ -6,7 +6,7 @@ use crate::bus::{Bus, Event};
 use canter_shared::time::BusTime;
 use canter_shared::wire::PROTOCOL_VERSION;
 use canter_shared::wire::command::Command;
-use canter_shared::wire::id::{Address, AxisId};
+use canter_shared::wire::id::{Address, AxisId, Function};
 use canter_shared::wire::reason::Reason;
 use canter_shared::wire::report::Report;
 use std::collections::BTreeMap;
@@ -20,8 +20,8 @@ const SYNC_PERIOD: u64 = 20 * MILLISECOND;
 /// Between the first SYNCs: quick, so that the nodes' clocks settle before the first move.
 const FIRST_SYNC_PERIOD: u64 = 4 * MILLISECOND;
 
-/// SYNCs that go out quickly: two windows of a node's clock.
-const FIRST_SYNCS: u32 = 16;
+/// SYNCs that go out quickly: four windows of a node's clock.
+const FIRST_SYNCS: u32 = 32;
 
 /// Between two host heartbeats: five within the axes' time-out of 250 ms.
 const HEARTBEAT_PERIOD: u64 = 50 * MILLISECOND;
@@ -42,6 +42,25 @@ pub(super) struct Beacon {
     syncs: u32,
     next_sync: BusTime,
     next_heartbeat: BusTime,
+}
+
+/// What an axis answered to a question.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Reply {
+    pub axis: AxisId,
+    pub reason: Reason,
+    pub detail: u32,
+}
+
+impl Reply {
+    pub(super) fn refusal(self, function: Function) -> ClientError {
+        ClientError::Refused {
+            axis: self.axis,
+            function,
+            reason: self.reason,
+            detail: self.detail,
+        }
+    }
 }
 
 pub(super) fn after(time: BusTime, microseconds: u64) -> BusTime {
@@ -162,7 +181,7 @@ impl<B: Bus> Client<B> {
         &mut self,
         sequence: u8,
         questions: &[(AxisId, Command)],
-    ) -> Result<Vec<(AxisId, Result<u32, Reason>, u32)>, ClientError> {
+    ) -> Result<Vec<Reply>, ClientError> {
         for (axis, _) in questions {
             if let Some(known) = self.axes.get_mut(axis) {
                 known.answers.clear();
@@ -193,11 +212,11 @@ impl<B: Bus> Client<B> {
                         bus: self.bus.description(),
                     }
                 })?;
-                let result = match answer.reason {
-                    Reason::Accepted => Ok(answer.detail),
-                    reason => Err(reason),
-                };
-                Ok((*axis, result, answer.detail))
+                Ok(Reply {
+                    axis: *axis,
+                    reason: answer.reason,
+                    detail: answer.detail,
+                })
             })
             .collect()
     }
@@ -208,14 +227,11 @@ impl<B: Bus> Client<B> {
         sequence: u8,
         questions: &[(AxisId, Command)],
     ) -> Result<(), ClientError> {
-        let answers = self.ask(sequence, questions)?;
-        for ((axis, answer, detail), (_, command)) in answers.into_iter().zip(questions) {
-            answer.map_err(|reason| ClientError::Refused {
-                axis,
-                function: command.function(),
-                reason,
-                detail,
-            })?;
+        let replies = self.ask(sequence, questions)?;
+        for (reply, (_, command)) in replies.into_iter().zip(questions) {
+            if reply.reason != Reason::Accepted {
+                return Err(reply.refusal(command.function()));
+            }
         }
         Ok(())
     }
@@ -254,7 +270,9 @@ impl<B: Bus> Client<B> {
     pub fn check(&mut self, axes: &[AxisId]) -> Result<(), ClientError> {
         let mut nodes = self.scan()?;
         let missing = |nodes: &[KnownNode], axis: &AxisId| {
-            nodes.iter().all(|node| node.axis != *axis || node.protocol.is_none())
+            nodes
+                .iter()
+                .all(|node| node.axis != *axis || node.protocol.is_none())
         };
         // A lost frame must not make an axis missing.
         if axes.iter().any(|axis| missing(&nodes, axis)) {

@@ -4,7 +4,7 @@
 //! all have accepted does one trigger name the tick at which all leave. So a move that any axis
 //! refuses moves nothing.
 
-use super::link::{MILLISECOND, after};
+use super::link::{MILLISECOND, Reply, after};
 use super::{Client, ClientError};
 use crate::bus::Bus;
 use crate::robot::Robot;
@@ -148,11 +148,7 @@ impl<B: Bus> Client<B> {
     }
 
     /// Checks the request against all that is known, and finds each axis's duration.
-    fn plan(
-        &mut self,
-        robot: &Robot,
-        request: &MoveRequest,
-    ) -> Result<Vec<Planned>, ClientError> {
+    fn plan(&mut self, robot: &Robot, request: &MoveRequest) -> Result<Vec<Planned>, ClientError> {
         let axes: Vec<AxisId> = request.goals.iter().map(|goal| goal.axis).collect();
         for axis in &axes {
             let known = self.axes.get(axis);
@@ -199,11 +195,7 @@ impl<B: Bus> Client<B> {
     }
 
     /// Stages every axis under one number, which is the group's name for the trigger.
-    fn stage(
-        &mut self,
-        plan: &mut [Planned],
-        request: &MoveRequest,
-    ) -> Result<u8, ClientError> {
+    fn stage(&mut self, plan: &mut [Planned], request: &MoveRequest) -> Result<u8, ClientError> {
         // An axis may find that its own range is a step longer: then the move is that much slower.
         for _ in 0..3 {
             if request.profile == ProfileKind::Trapezoid {
@@ -223,26 +215,18 @@ impl<B: Bus> Client<B> {
                     (planned.axis, command)
                 })
                 .collect();
-            let answers = self.ask(sequence, &questions)?;
+            let function = match request.profile {
+                ProfileKind::Beta => Function::StageBeta,
+                ProfileKind::Trapezoid => Function::StageTrapezoid,
+            };
             let mut least = Ticks(0);
-            for (axis, answer, detail) in answers {
-                match answer {
-                    Ok(_) => {}
-                    Err(Reason::TooFast) if request.duration.is_none() => {
-                        least = least.max(Ticks(detail));
+            for reply in self.ask(sequence, &questions)? {
+                match reply.reason {
+                    Reason::Accepted => {}
+                    Reason::TooFast if request.duration.is_none() => {
+                        least = least.max(Ticks(reply.detail));
                     }
-                    Err(reason) => {
-                        let function = match request.profile {
-                            ProfileKind::Beta => Function::StageBeta,
-                            ProfileKind::Trapezoid => Function::StageTrapezoid,
-                        };
-                        return Err(ClientError::Refused {
-                            axis,
-                            function,
-                            reason,
-                            detail,
-                        });
-                    }
+                    _ => return Err(reply.refusal(function)),
                 }
             }
             if least == Ticks(0) {
@@ -264,9 +248,8 @@ impl<B: Bus> Client<B> {
         let sequence = self.next_sequence();
         let mut questions = Vec::new();
         for planned in plan {
-            let shape = Trapezoid::within(planned.range, planned.duration, &planned.limits).ok_or(
-                ClientError::TooLong { axis: planned.axis },
-            )?;
+            let shape = Trapezoid::within(planned.range, planned.duration, &planned.limits)
+                .ok_or(ClientError::TooLong { axis: planned.axis })?;
             let command = Command::TrapezoidShape {
                 acceleration: shape.acceleration(),
                 deceleration: shape.deceleration(),
@@ -319,9 +302,11 @@ impl<B: Bus> Client<B> {
                         known.started.is_some_and(|(sequence, _)| sequence == group)
                             && known.moving == Some(false)
                     })
-                }) || plan
-                    .iter()
-                    .any(|planned| known.get(&planned.axis).is_some_and(|known| known.fault.is_some()))
+                }) || plan.iter().any(|planned| {
+                    known
+                        .get(&planned.axis)
+                        .is_some_and(|known| known.fault.is_some())
+                })
             })?;
             self.look_for_trouble(plan, group)?;
             if over {
@@ -336,11 +321,7 @@ impl<B: Bus> Client<B> {
     }
 
     /// A fault or a refused trigger on any axis of the move.
-    fn look_for_trouble(
-        &self,
-        plan: &[Planned],
-        group: u8,
-    ) -> Result<(), ClientError> {
+    fn look_for_trouble(&self, plan: &[Planned], group: u8) -> Result<(), ClientError> {
         for planned in plan {
             let axis = planned.axis;
             let Some(known) = self.axes.get(&axis) else {
@@ -355,12 +336,12 @@ impl<B: Bus> Client<B> {
                     && answer.reason != Reason::Accepted
             });
             if let Some(refused) = refused {
-                return Err(ClientError::Refused {
+                let reply = Reply {
                     axis,
-                    function: refused.function,
                     reason: refused.reason,
                     detail: refused.detail,
-                });
+                };
+                return Err(reply.refusal(refused.function));
             }
         }
         Ok(())
@@ -474,7 +455,8 @@ fn plan_axis(
         return Err(outside);
     }
     let target = wire_position(target);
-    let from = Position::from_radians(at).map_err(|source| ClientError::Quantity { axis, source })?;
+    let from =
+        Position::from_radians(at).map_err(|source| ClientError::Quantity { axis, source })?;
     let range = (target - from).abs() + Position::from_counts(RANGE_MARGIN);
     let duration = match request.profile {
         ProfileKind::Beta => Beta::shortest(range, &limits),

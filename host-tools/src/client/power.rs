@@ -59,8 +59,11 @@ impl<B: Bus> Client<B> {
         // Their next heartbeats say it too, so that what is known of them is not out of date.
         let until = after(self.bus.now(), RELEASE_TIME);
         self.wait(until, |known| {
-            axes.iter()
-                .all(|axis| known.get(axis).is_none_or(|known| known.session != Some(session)))
+            axes.iter().all(|axis| {
+                known
+                    .get(axis)
+                    .is_none_or(|known| known.session != Some(session))
+            })
         })?;
         Ok(())
     }
@@ -128,11 +131,7 @@ impl<B: Bus> Client<B> {
         self.wait_for_state_unless(axes, State::Fault)
     }
 
-    fn wait_for_state_unless(
-        &mut self,
-        axes: &[AxisId],
-        state: State,
-    ) -> Result<(), ClientError> {
+    fn wait_for_state_unless(&mut self, axes: &[AxisId], state: State) -> Result<(), ClientError> {
         let until = after(self.bus.now(), ENABLE_TIME);
         let left = self.wait(until, |known| {
             axes.iter().all(|axis| {

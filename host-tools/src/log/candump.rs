@@ -24,7 +24,11 @@ pub fn write(out: &mut impl Write, time: BusTime, frame: &Frame) -> io::Result<(
         time.0 / MICROSECONDS_PER_SECOND,
         time.0 % MICROSECONDS_PER_SECOND,
     );
-    write!(out, "({seconds:010}.{rest:06}) {INTERFACE} {:03X}#", frame.id())?;
+    write!(
+        out,
+        "({seconds:010}.{rest:06}) {INTERFACE} {:03X}#",
+        frame.id()
+    )?;
     for byte in frame.data() {
         write!(out, "{byte:02X}")?;
     }
@@ -46,7 +50,9 @@ pub struct Line<'a> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum LineError {
     /// It is not of the format at all.
-    #[error("not a line of a candump log: {part} is missing or wrong; expected `(12.345678) can0 12F#0011`")]
+    #[error(
+        "not a line of a candump log: {part} is missing or wrong; expected `(12.345678) can0 12F#0011`"
+    )]
     Malformed {
         /// What was looked for.
         part: &'static str,
@@ -157,7 +163,10 @@ mod tests {
             written(1_436_509_052_249_713, &frame(0x44, &[0x2A, 0x36, 0x6C])),
             "(1436509052.249713) can0 044#2A366C\n"
         );
-        assert_eq!(written(7, &frame(0, &[])), "(0000000000.000007) can0 000#\n");
+        assert_eq!(
+            written(7, &frame(0, &[])),
+            "(0000000000.000007) can0 000#\n"
+        );
     }
 
     #[test]

@@ -91,7 +91,11 @@ mod tests {
         } = row.setpoint;
         assert_eq!(
             numbers,
-            [position.radians(), velocity.radians(), acceleration.radians()]
+            [
+                position.radians(),
+                velocity.radians(),
+                acceleration.radians()
+            ]
         );
         assert_eq!(lines.next(), None);
     }

@@ -80,7 +80,10 @@ mod tests {
         assert_eq!(ids("1-3,7"), Ok(vec![1, 2, 3, 7]));
         assert_eq!("all".parse(), Ok(AxisList::All));
         for bad in ["", "0", "64", "a", "1-", "1,,2", "1 2", "-1", "1.0"] {
-            assert!(matches!(ids(bad), Err(AxisListError::NotAnAxis(_))), "{bad}");
+            assert!(
+                matches!(ids(bad), Err(AxisListError::NotAnAxis(_))),
+                "{bad}"
+            );
         }
         assert!(matches!(ids("3-1"), Err(AxisListError::Backwards(_))));
         assert!(matches!(ids("1-3,2"), Err(AxisListError::Doubled(_))));

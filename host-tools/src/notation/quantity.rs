@@ -66,7 +66,12 @@ fn parse(
 /// # Errors
 /// No number, an unknown unit, or not finite.
 pub fn angle(text: &str) -> Result<f64, QuantityError> {
-    parse(text, text, "angle", "`1.5`, `1.5rad`, `90deg` or `0.25turn`")
+    parse(
+        text,
+        text,
+        "angle",
+        "`1.5`, `1.5rad`, `90deg` or `0.25turn`",
+    )
 }
 
 /// A limit of velocity, acceleration or jerk in rad and seconds, more than zero; `/s`, `/s^2` or
@@ -80,7 +85,12 @@ pub fn rate(text: &str) -> Result<f64, QuantityError> {
         .find_map(|suffix| text.strip_suffix(suffix))
         .unwrap_or(text);
     let what = "limit";
-    let value = parse(text, bare, what, "`2`, `2rad/s`, `90deg/s` or `0.5turn/s^2`")?;
+    let value = parse(
+        text,
+        bare,
+        what,
+        "`2`, `2rad/s`, `90deg/s` or `0.5turn/s^2`",
+    )?;
     positive(text, what, value)
 }
 
@@ -123,7 +133,9 @@ mod tests {
         assert_eq!(angle("-0.5turn"), Ok(-PI));
         assert_eq!(angle("1.5rad"), Ok(1.5));
         assert_eq!(angle("1e-3"), Ok(1e-3));
-        for bad in ["", "deg", "1 m", "1,5", "90°", "nan", "inf", "NaNdeg", "1e999"] {
+        for bad in [
+            "", "deg", "1 m", "1,5", "90°", "nan", "inf", "NaNdeg", "1e999",
+        ] {
             assert!(angle(bad).is_err(), "{bad}");
         }
     }

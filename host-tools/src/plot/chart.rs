@@ -230,7 +230,12 @@ mod tests {
 
     #[test]
     fn every_view_has_an_extent() {
-        for points in [&[][..], &[(0.0, 0.0)], &[(1e9, -3.0)], &[(2.0, 7.0), (2.0, 7.0)]] {
+        for points in [
+            &[][..],
+            &[(0.0, 0.0)],
+            &[(1e9, -3.0)],
+            &[(2.0, 7.0), (2.0, 7.0)],
+        ] {
             let view = chart(points).view();
             assert!(view.x.0 < view.x.1 && view.y.0 < view.y.1, "{points:?}");
         }
@@ -240,6 +245,9 @@ mod tests {
     fn what_cannot_be_drawn_is_named() {
         let error = chart(&[(0.0, 0.0), (1.0, f64::NAN)]).check();
         let message = error.expect_err("a number that is none").to_string();
-        assert!(message.starts_with("chart `c`, `one`: number 1 "), "{message}");
+        assert!(
+            message.starts_with("chart `c`, `one`: number 1 "),
+            "{message}"
+        );
     }
 }

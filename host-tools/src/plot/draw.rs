@@ -20,7 +20,7 @@ const WIDTH: i32 = 560 * SCALE;
 const HEIGHT: i32 = 300 * SCALE;
 const TITLE_HEIGHT: i32 = 30 * SCALE;
 const LEFT: i32 = 72 * SCALE;
-const BOTTOM: i32 = 44 * SCALE;
+const BOTTOM: i32 = 38 * SCALE;
 const MARGIN: i32 = 8 * SCALE;
 pub(super) const TEXT_SIZE: i32 = 13 * SCALE;
 /// Thin enough for twelve series in one chart.
@@ -56,10 +56,10 @@ pub(super) fn colour(index: usize) -> RGBColor {
     COLOURS[index % COLOURS.len()]
 }
 
-pub(super) fn text_style(colour: RGBColor) -> TextStyle<'static> {
+pub(super) fn text_style() -> TextStyle<'static> {
     // The library asks for 1.24 times the size of the letters.
     let size = f64::from(TEXT_SIZE) * 1.24;
-    TextStyle::from(("sans-serif", size).into_font()).color(&colour)
+    TextStyle::from(("sans-serif", size).into_font()).color(&INK)
 }
 
 impl Chart {
@@ -91,7 +91,10 @@ impl Chart {
         let plain = format!("stroke=\"{}\"", hex(LEVEL));
         let svg = svg.replace(&plain, &format!("{plain} stroke-dasharray=\"24 16\""));
         Ok(if alone {
-            rewrite_root(&svg, &format!("<svg xmlns=\"{NAME_SPACE}\" width=\"{}\" ", WIDTH / SCALE))
+            rewrite_root(
+                &svg,
+                &format!("<svg xmlns=\"{NAME_SPACE}\" width=\"{}\" ", WIDTH / SCALE),
+            )
         } else {
             svg
         })
@@ -105,12 +108,14 @@ impl Chart {
         let root = SVGBackend::with_string(svg, (WIDTH.unsigned_abs(), height)).into_drawing_area();
         if alone {
             root.fill(&WHITE)?;
-            let middle = text_style(INK).pos(Pos::new(HPos::Center, VPos::Center));
+            let middle = text_style().pos(Pos::new(HPos::Center, VPos::Center));
             let at = (WIDTH / 2, TITLE_HEIGHT / 2);
             root.draw(&Text::new(self.title.clone(), at, middle))?;
         }
         let (_, below) = root.split_vertically(title_height);
         let (picture, names) = below.split_vertically(HEIGHT);
+        // Bars stand for things that are counted: each of a robot's twelve axes gets its number.
+        let bars = self.series.iter().any(|series| series.mark == Mark::Bar);
         let mut context = ChartBuilder::on(&picture)
             .margin(MARGIN)
             .x_label_area_size(BOTTOM)
@@ -120,18 +125,23 @@ impl Chart {
             .configure_mesh()
             .x_desc(self.x.label())
             .y_desc(self.y.label())
-            .x_labels(9)
+            .x_labels(if bars { 15 } else { 9 })
             .y_labels(7)
             .x_label_formatter(&|value| label(*value))
             .y_label_formatter(&|value| label(*value))
-            .label_style(text_style(INK))
-            .axis_desc_style(text_style(INK))
+            .label_style(text_style())
+            .axis_desc_style(text_style())
             .axis_style(FRAME.stroke_width(SCALE.unsigned_abs()))
             .bold_line_style(GRID.stroke_width(SCALE.unsigned_abs()))
             .light_line_style(TRANSPARENT)
-            .set_all_tick_mark_size(SCALE)
+            .set_all_tick_mark_size(4 * SCALE)
             .draw()?;
-        for (level, _) in self.levels.iter().zip(&view.levels).filter(|(_, shown)| **shown) {
+        for (level, _) in self
+            .levels
+            .iter()
+            .zip(&view.levels)
+            .filter(|(_, shown)| **shown)
+        {
             let ends = [(view.x.0, level.value), (view.x.1, level.value)];
             context.draw_series(LineSeries::new(ends, LEVEL.stroke_width(LINE_WIDTH)))?;
         }
@@ -140,7 +150,8 @@ impl Chart {
             match series.mark {
                 Mark::Line => {
                     let points = thin(&series.points, most_points);
-                    context.draw_series(LineSeries::new(points, colour.stroke_width(LINE_WIDTH)))?;
+                    context
+                        .draw_series(LineSeries::new(points, colour.stroke_width(LINE_WIDTH)))?;
                 }
                 Mark::Bar => {
                     let bars = series.points.iter().map(|(x, y)| {
@@ -193,8 +204,12 @@ pub(super) fn hex(RGBColor(red, green, blue): RGBColor) -> String {
     format!("#{red:02X}{green:02X}{blue:02X}")
 }
 
-pub(super) const ROLES: [(&str, RGBColor); 4] =
-    [("ink", INK), ("grid", GRID), ("frame", FRAME), ("level", LEVEL)];
+pub(super) const ROLES: [(&str, RGBColor); 4] = [
+    ("ink", INK),
+    ("grid", GRID),
+    ("frame", FRAME),
+    ("level", LEVEL),
+];
 
 /// A number at an axis: as many digits as tell it from its neighbours.
 fn label(value: f64) -> String {
@@ -232,11 +247,18 @@ mod tests {
     #[test]
     fn texts_are_escaped() {
         let mut chart = Chart::new("a<b>&\"\u{1}", Axis::new("<t>", "s"), Axis::new("y&", ""));
-        chart.series.push(Series::line("<script>", vec![(0.0, 0.0), (1.0, 1.0)]));
+        chart
+            .series
+            .push(Series::line("<script>", vec![(0.0, 0.0), (1.0, 1.0)]));
         chart.series.push(Series::line("'two'", vec![(0.0, 1.0)]));
         chart.add_limit("lim<it", 1.0);
         let svg = chart.svg().expect("finite");
-        for text in ["a&lt;b&gt;&amp;&quot;\n", "&lt;t&gt; (s)", "&lt;script&gt;", "lim&lt;it"] {
+        for text in [
+            "a&lt;b&gt;&amp;&quot;\n",
+            "&lt;t&gt; (s)",
+            "&lt;script&gt;",
+            "lim&lt;it",
+        ] {
             assert!(svg.contains(text), "{text} in {svg}");
         }
         assert!(!svg.contains("<script") && !svg.contains('\u{1}'));
@@ -248,7 +270,9 @@ mod tests {
         let mut chart = Chart::new("bars", Axis::new("axis", ""), Axis::new("skew", "us"));
         let empty = chart.svg().expect("nothing to go wrong");
         assert!(empty.starts_with("<svg ") && empty.trim_end().ends_with("</svg>"));
-        chart.series.push(Series::bars("skew", vec![(1.0, 3.0), (2.0, -4.0)]));
+        chart
+            .series
+            .push(Series::bars("skew", vec![(1.0, 3.0), (2.0, -4.0)]));
         assert!(chart.svg().expect("finite").matches("<rect").count() >= 3);
     }
 }

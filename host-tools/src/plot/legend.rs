@@ -2,8 +2,8 @@
 
 use plotters::prelude::*;
 
-use super::draw::{INK, LEVEL, LINE_WIDTH, SCALE, Surface, TEXT_SIZE, colour, text_style};
-use super::{Chart, Mark};
+use super::draw::{Failure, LEVEL, LINE_WIDTH, SCALE, Surface, TEXT_SIZE, colour, text_style};
+use super::{Chart, Level, Mark, Series};
 
 const ROW: i32 = 20 * SCALE;
 const SWATCH: i32 = 22 * SCALE;
@@ -20,83 +20,119 @@ enum Swatch {
     Nothing,
 }
 
+/// Series in columns of one width, then each level on a row of its own.
 pub(super) struct Legend {
-    entries: Vec<(Swatch, String)>,
+    series: Vec<(Swatch, String)>,
+    levels: Vec<(Swatch, String)>,
     columns: i32,
     column: i32,
     left: i32,
 }
 
 impl Legend {
-    pub(super) fn new(chart: &Chart, shown: &[bool], left: i32, width: i32) -> Self {
-        let mut entries = Vec::new();
-        // A single series is what the axis says.
-        if chart.series.len() > 1 {
-            for (index, series) in chart.series.iter().enumerate() {
-                let swatch = match series.mark {
-                    Mark::Line => Swatch::Line(colour(index)),
-                    Mark::Bar => Swatch::Block(colour(index)),
-                };
-                entries.push((swatch, series.name.clone()));
-            }
-        }
-        for (index, level) in chart.levels.iter().enumerate() {
-            let same = |other: &super::Level| other.name == level.name;
-            if chart.levels.iter().position(same) != Some(index) {
-                continue;
-            }
-            let mut together = chart.levels.iter().zip(shown);
-            entries.push(if together.any(|(other, shown)| same(other) && *shown) {
-                (Swatch::Dashes, level.name.clone())
-            } else {
-                (Swatch::Nothing, format!("{}: outside the picture", level.name))
-            });
-        }
-        let letters = entries
-            .iter()
-            .map(|(_, name)| name.chars().count())
-            .max()
-            .unwrap_or(0);
-        let text = (letters as f64 * LETTER * f64::from(TEXT_SIZE)) as i32;
-        let column = (SWATCH + GAP + text + 2 * GAP).min(width - left);
+    pub(super) fn new(chart: &Chart, shown: &[bool], left: i32, right: i32) -> Self {
+        let series = series(chart);
+        let letters = series.iter().map(|(_, name)| name.chars().count()).max();
+        let text = letters.unwrap_or(0) as f64 * LETTER * f64::from(TEXT_SIZE);
+        let column = (SWATCH + 3 * GAP + text as i32).min(right - left);
         Self {
-            columns: ((width - left) / column.max(1)).max(1),
+            series,
+            levels: levels(chart, shown),
+            columns: ((right - left) / column).max(1),
             column,
-            entries,
             left,
         }
     }
 
-    pub(super) fn height(&self) -> u32 {
-        let rows = (self.entries.len() as i32 + self.columns - 1) / self.columns;
-        (rows * ROW).unsigned_abs()
+    fn rows_of_series(&self) -> i32 {
+        (self.series.len() as i32 + self.columns - 1) / self.columns
     }
 
-    pub(super) fn draw(&self, surface: &Surface<'_>) -> Result<(), super::draw::Failure> {
-        for (index, (swatch, name)) in self.entries.iter().enumerate() {
+    pub(super) fn height(&self) -> u32 {
+        ((self.rows_of_series() + self.levels.len() as i32) * ROW).unsigned_abs()
+    }
+
+    pub(super) fn draw(&self, surface: &Surface<'_>) -> Result<(), Failure> {
+        for (index, entry) in self.series.iter().enumerate() {
             let (row, column) = (index as i32 / self.columns, index as i32 % self.columns);
-            let x = self.left + column * self.column;
-            let y = row * ROW + ROW / 2;
-            let ends = |colour: RGBColor| {
-                PathElement::new([(x, y), (x + SWATCH, y)], colour.stroke_width(LINE_WIDTH * 2))
-            };
-            let text_at = match swatch {
-                Swatch::Nothing => x,
-                _ => x + SWATCH + GAP,
-            };
-            match swatch {
-                Swatch::Line(colour) => surface.draw(&ends(*colour))?,
-                Swatch::Dashes => surface.draw(&ends(LEVEL))?,
-                Swatch::Block(colour) => {
-                    let corners = [(x + GAP, y - GAP), (x + SWATCH, y + GAP)];
-                    surface.draw(&Rectangle::new(corners, colour.filled()))?;
-                }
-                Swatch::Nothing => {}
-            }
-            // Half the height of the letters below the middle of the row.
-            let baseline = y - TEXT_SIZE / 2;
-            surface.draw(&Text::new(name.clone(), (text_at, baseline), text_style(INK)))?;
+            draw_entry(
+                surface,
+                entry,
+                (self.left + column * self.column, row * ROW),
+            )?;
+        }
+        for (index, entry) in self.levels.iter().enumerate() {
+            let row = self.rows_of_series() + index as i32;
+            draw_entry(surface, entry, (self.left, row * ROW))?;
         }
         Ok(())
     }
+}
+
+fn series(chart: &Chart) -> Vec<(Swatch, String)> {
+    // A single one is what the axis says.
+    if chart.series.len() < 2 {
+        return Vec::new();
+    }
+    let entry = |(index, series): (usize, &Series)| {
+        let swatch = match series.mark {
+            Mark::Line => Swatch::Line(colour(index)),
+            Mark::Bar => Swatch::Block(colour(index)),
+        };
+        (swatch, series.name.clone())
+    };
+    chart.series.iter().enumerate().map(entry).collect()
+}
+
+fn levels(chart: &Chart, shown: &[bool]) -> Vec<(Swatch, String)> {
+    let mut entries = Vec::new();
+    for (index, level) in chart.levels.iter().enumerate() {
+        let same = |other: &Level| other.name == level.name;
+        if chart.levels.iter().position(same) != Some(index) {
+            continue;
+        }
+        let mut together = chart.levels.iter().zip(shown);
+        entries.push(if together.any(|(other, shown)| same(other) && *shown) {
+            (Swatch::Dashes, level.name.clone())
+        } else {
+            (
+                Swatch::Nothing,
+                format!("{}: outside the picture", level.name),
+            )
+        });
+    }
+    entries
+}
+
+fn draw_entry(
+    surface: &Surface<'_>,
+    (swatch, name): &(Swatch, String),
+    (x, top): (i32, i32),
+) -> Result<(), Failure> {
+    let y = top + ROW / 2;
+    let line = |colour: RGBColor| {
+        PathElement::new(
+            [(x, y), (x + SWATCH, y)],
+            colour.stroke_width(LINE_WIDTH * 2),
+        )
+    };
+    match swatch {
+        Swatch::Line(colour) => surface.draw(&line(*colour))?,
+        Swatch::Dashes => surface.draw(&line(LEVEL))?,
+        Swatch::Block(colour) => {
+            let corners = [(x + GAP, y - GAP), (x + SWATCH, y + GAP)];
+            surface.draw(&Rectangle::new(corners, colour.filled()))?;
+        }
+        Swatch::Nothing => {}
+    }
+    let text_at = match swatch {
+        Swatch::Nothing => x,
+        _ => x + SWATCH + GAP,
+    };
+    // The letters' middle at the row's.
+    surface.draw(&Text::new(
+        name.clone(),
+        (text_at, y - TEXT_SIZE / 2),
+        text_style(),
+    ))
 }

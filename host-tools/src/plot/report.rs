@@ -57,13 +57,16 @@ impl Report {
     /// # Errors
     /// A number in a chart that is not finite.
     pub fn html(&self) -> Result<String, PlotError> {
-        let mut page = String::from("<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n");
-        page.push_str(
-            "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n",
-        );
+        let mut page =
+            String::from("<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n");
+        page.push_str("<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n");
         let title = escaped(&self.title);
         // Writing to a string cannot fail.
-        let _ = writeln!(page, "<title>{title}</title>\n<style>\n{STYLE}{}</style>", roles());
+        let _ = writeln!(
+            page,
+            "<title>{title}</title>\n<style>\n{STYLE}{}</style>",
+            roles()
+        );
         let _ = writeln!(page, "<h1>{title}</h1>");
         if !self.lead.is_empty() {
             let _ = writeln!(page, "<p class=\"lead\">{}</p>", escaped(&self.lead));
@@ -106,7 +109,10 @@ fn roles() -> String {
     for (name, colour) in ROLES {
         let value = hex(colour);
         for property in ["stroke", "fill"] {
-            let _ = writeln!(rules, "svg [{property}=\"{value}\"] {{ {property}: var(--{name}); }}");
+            let _ = writeln!(
+                rules,
+                "svg [{property}=\"{value}\"] {{ {property}: var(--{name}); }}"
+            );
         }
     }
     rules
@@ -141,7 +147,9 @@ mod tests {
                 (t, (t * (1.0 + index as f64) * 40.0).sin() * 100.0)
             };
             let points = (0..points).map(wave).collect();
-            chart.series.push(Series::line(format!("axis {index}"), points));
+            chart
+                .series
+                .push(Series::line(format!("axis {index}"), points));
         }
         chart
     }
@@ -156,10 +164,18 @@ mod tests {
         };
         report.add("<i>", "1 < 2", "it's");
         let page = report.html().expect("finite");
-        for text in ["&lt;b&gt;title", "x &amp; y", "&lt;i&gt;", "1 &lt; 2", "it&#39;s"] {
+        for text in [
+            "&lt;b&gt;title",
+            "x &amp; y",
+            "&lt;i&gt;",
+            "1 &lt; 2",
+            "it&#39;s",
+        ] {
             assert!(page.contains(text), "{text}");
         }
-        for text in ["http", "//", "url(", "<b>", "<i>", "src=", "href=", "@import"] {
+        for text in [
+            "http", "//", "url(", "<b>", "<i>", "src=", "href=", "@import",
+        ] {
             assert!(!page.contains(text), "{text}");
         }
         assert_eq!(page.matches("<svg").count(), 1);
@@ -185,6 +201,9 @@ mod tests {
             charts: vec![bad],
             ..Report::default()
         };
-        assert!(matches!(report.html(), Err(PlotError::NotFinite { index: 2, .. })));
+        assert!(matches!(
+            report.html(),
+            Err(PlotError::NotFinite { index: 2, .. })
+        ));
     }
 }

@@ -24,7 +24,8 @@ pub(super) fn thin(points: &[(f64, f64)], most: usize) -> Vec<(f64, f64)> {
         keep(*first);
     }
     for part in points.chunks(stretch) {
-        let by_height = |a: &(usize, &(f64, f64)), b: &(usize, &(f64, f64))| a.1.1.total_cmp(&b.1.1);
+        let by_height =
+            |a: &(usize, &(f64, f64)), b: &(usize, &(f64, f64))| a.1.1.total_cmp(&b.1.1);
         let lowest = part.iter().enumerate().min_by(by_height);
         let highest = part.iter().enumerate().max_by(by_height);
         if let (Some(a), Some(b)) = (lowest, highest) {

@@ -125,7 +125,13 @@ mod tests {
         }
         // The worst that 98 bits can be: 00000 1111 0000 1111 ..., (98 - 1) / 4 stuff bits.
         let worst: String = (0..98)
-            .map(|at| if at == 0 || (at - 1) / 4 % 2 == 0 { '0' } else { '1' })
+            .map(|at| {
+                if at == 0 || (at - 1) / 4 % 2 == 0 {
+                    '0'
+                } else {
+                    '1'
+                }
+            })
             .collect();
         assert_eq!(bits(&worst).stuffed(), 24);
         assert_eq!(98 + 24 + TAIL + INTERFRAME, 135);

@@ -74,7 +74,9 @@ impl Crystal {
         let rate = PER_SECOND.saturating_add_signed(self.error);
         let estimate = u128::from(since_start) * u128::from(PER_SECOND) / u128::from(rate);
         // Rounding makes the estimate wrong by a nanosecond or two.
-        let mut time = u64::try_from(estimate).unwrap_or(u64::MAX).saturating_sub(2);
+        let mut time = u64::try_from(estimate)
+            .unwrap_or(u64::MAX)
+            .saturating_sub(2);
         while self.shown(TrueTime(time)) < wanted && time < u64::MAX {
             time += 1;
         }

@@ -180,6 +180,9 @@ mod tests {
                 won[at] += 1;
             }
         }
-        assert!(won.iter().all(|count| (900..1_100).contains(count)), "{won:?}");
+        assert!(
+            won.iter().all(|count| (900..1_100).contains(count)),
+            "{won:?}"
+        );
     }
 }

@@ -157,17 +157,25 @@ fn twelve_axes_are_held_enabled_moved_and_arrive() {
     assert_eq!(answers(Function::Trigger), 12);
     let mut started = Vec::new();
     for axis in (1..=12).filter_map(AxisId::new) {
-        let last = host.heard.iter().rev().find_map(|(_, from, report)| match report {
-            Report::Feedback {
-                position, moving, ..
-            } if *from == axis => Some((*position, *moving)),
-            _ => None,
-        });
+        let last = host
+            .heard
+            .iter()
+            .rev()
+            .find_map(|(_, from, report)| match report {
+                Report::Feedback {
+                    position, moving, ..
+                } if *from == axis => Some((*position, *moving)),
+                _ => None,
+            });
         assert_eq!(last, Some((target(axis), false)), "axis {axis}");
-        started.extend(host.heard.iter().filter_map(|(_, from, report)| match report {
-            Report::Started { time, .. } if *from == axis => Some(time.0),
-            _ => None,
-        }));
+        started.extend(
+            host.heard
+                .iter()
+                .filter_map(|(_, from, report)| match report {
+                    Report::Started { time, .. } if *from == axis => Some(time.0),
+                    _ => None,
+                }),
+        );
     }
     assert_eq!(started.len(), 12);
 }
@@ -218,12 +226,15 @@ fn sync_brings_the_clocks_together() {
         for _ in 0..300 {
             host.wait(10_007);
             let now = host.bus.now().0 as i64;
-            let late: Vec<i64> = host.bus.node_times().map(|time| now - time.0 as i64).collect();
+            let late: Vec<i64> = host
+                .bus
+                .node_times()
+                .map(|time| now - time.0 as i64)
+                .collect();
             let most = *late.iter().max().expect("12 nodes");
             let least = *late.iter().min().expect("12 nodes");
             worst = (worst.0.max(most - least), worst.1.max(most.abs()));
         }
-        println!("seed {seed}: apart by {} us, late by {} us", worst.0, worst.1);
         // Against each other; all are late by the frame that carries SYNC, 111 to 135 bits.
         assert!(worst.0 <= 20, "seed {seed}: apart by {} us", worst.0);
         assert!(worst.1 <= 155, "seed {seed}: late by {} us", worst.1);

@@ -4,7 +4,7 @@ use super::fault::Fault;
 use super::state::State;
 use super::{Axis, Departure, Outcome, Request, Staged};
 use crate::motion::{Move, PlanError, Profile};
-use crate::time::{BusTime, LONGEST_MOVE, Tick};
+use crate::time::{BusTime, LONGEST_MOVE, Tick, Ticks};
 use crate::units::Position;
 use crate::wire::command::{Action, Command, ProfileKind, Session};
 use crate::wire::frame::Frame;
@@ -12,6 +12,10 @@ use crate::wire::id::Function;
 use crate::wire::layout::POSITION_SHIFT;
 use crate::wire::reason::Reason;
 use crate::wire::report::Report;
+
+/// How far ahead a trigger may name its start: 10 s. A start beyond that is a mistake, and would
+/// keep the clock from being set meanwhile.
+const LONGEST_LEAD: Ticks = Ticks(10_000);
 
 /// A refusal: its reason, and the detail that the reason's table promises.
 type Refusal = (Reason, u32);
@@ -44,9 +48,9 @@ impl Axis {
                 Outcome::Accepted
             }
             Command::Stop { sequence } => {
-                self.staged = None;
+                self.forget_moves();
                 self.stop();
-                self.answer(frame, Function::Stop, sequence, Ok(0))
+                self.answer(Function::Stop, sequence, Ok(0))
             }
             Command::HostHeartbeat { session } => {
                 self.commander.hear(session, self.tick.max(tick_of(now)));
@@ -66,66 +70,67 @@ impl Axis {
                     self.telemetry.answer(report);
                     return Outcome::Repeated;
                 }
-                let answer = self.execute(command);
-                self.answer(frame, command.function(), sequence, answer)
+                let admitted = self.admit(&command, sequence);
+                let answer = match admitted {
+                    Ok(()) => self.execute(command),
+                    Err(refusal) => Err(refusal),
+                };
+                // Whatever was answered to a command of its own number, its repetition gets the
+                // same: one that was refused must not be done when conditions have changed.
+                if admitted.is_ok() {
+                    let report = acknowledgement(command.function(), sequence, answer);
+                    self.last_command = Some((*frame, report));
+                }
+                self.answer(command.function(), sequence, answer)
+            }
+        }
+    }
+
+    /// Whether a command comes from the session that holds the axis, under a new number, which
+    /// is then used up. A hold is itself the way to become that session.
+    fn admit(&mut self, command: &Command, sequence: u8) -> Result<(), Refusal> {
+        match *command {
+            Command::Control {
+                action: Action::Hold,
+                session,
+                ..
+            } => self.hold(session, sequence),
+            Command::Control { session, .. } => {
+                self.held_by(session)?;
+                self.number(sequence)
+            }
+            _ => {
+                self.held()?;
+                self.number(sequence)
             }
         }
     }
 
     fn answer(
         &mut self,
-        frame: &Frame,
         function: Function,
         sequence: u8,
         answer: Result<u32, Refusal>,
     ) -> Outcome {
-        let (reason, detail) = match answer {
-            Ok(detail) => (Reason::Accepted, detail),
-            Err(refusal) => refusal,
-        };
-        let report = Report::Acknowledgement {
-            sequence,
-            function,
-            reason,
-            detail,
-        };
-        self.telemetry.answer(report);
-        // A stop is done anew each time it is asked for, and a refusal may be one no longer.
-        let numbered = !matches!(function, Function::Stop | Function::Trigger);
-        if numbered && reason == Reason::Accepted {
-            self.last_command = Some((*frame, report));
-        }
-        if reason == Reason::Accepted {
-            Outcome::Accepted
-        } else {
-            self.counters.rejected = self.counters.rejected.wrapping_add(1);
-            Outcome::Rejected(reason)
+        self.telemetry
+            .answer(acknowledgement(function, sequence, answer));
+        match answer {
+            Ok(_) => Outcome::Accepted,
+            Err((reason, _)) => {
+                self.counters.rejected = self.counters.rejected.wrapping_add(1);
+                Outcome::Rejected(reason)
+            }
         }
     }
 
     fn execute(&mut self, command: Command) -> Result<u32, Refusal> {
         match command {
-            Command::Control {
-                action: Action::Hold,
-                sequence,
-                session,
-            } => self.hold(session, sequence),
-            Command::Control {
-                action,
-                sequence,
-                session,
-            } => {
-                self.held_by(session)?;
-                self.number(sequence)?;
-                self.control(action)
-            }
+            Command::Control { action, .. } => self.control(action),
             Command::TrapezoidShape {
                 acceleration,
                 deceleration,
-                sequence,
+                ..
             } => {
-                self.held()?;
-                self.number(sequence)?;
                 let whole = acceleration.0.saturating_add(deceleration.0);
                 if acceleration.0 == 0 || deceleration.0 == 0 || whole > LONGEST_MOVE.0 {
                     return Err((Reason::BadValue, 0));
@@ -140,33 +145,41 @@ impl Axis {
                 duration,
                 sequence,
             } => {
-                self.held()?;
                 self.ready()?;
-                self.number(sequence)?;
                 let asked = Move {
                     target: self.inside_by_a_step(target),
                     duration,
                     profile: self.profile(profile),
                 };
-                if staged {
-                    self.stage(sequence, asked)
+                let detail = if staged {
+                    self.stage(sequence, asked)?
                 } else {
-                    self.depart(sequence, asked, self.tick)
+                    self.depart(sequence, asked, self.tick)?
+                };
+                // Used up by the trapezoid that it was meant for, and by nothing else.
+                if profile == ProfileKind::Trapezoid {
+                    self.shape = None;
                 }
+                Ok(detail)
             }
             // The others never come here.
             _ => Err((Reason::BadValue, 0)),
         }
     }
 
-    fn hold(&mut self, session: Session, sequence: u8) -> Result<u32, Refusal> {
+    fn hold(&mut self, session: Session, sequence: u8) -> Result<(), Refusal> {
         if session == 0 {
             return Err((Reason::BadValue, 0));
         }
-        self.commander
+        let anew = self
+            .commander
             .hold(session, sequence, self.tick)
-            .map(|()| 0)
-            .map_err(|holder| (Reason::HeldByOther, holder.into()))
+            .map_err(|holder| (Reason::HeldByOther, holder.into()))?;
+        if anew {
+            // Numbers begin anew, so a group that was staged has lost its name.
+            self.forget_moves();
+        }
+        Ok(())
     }
 
     fn held(&self) -> Result<Session, Refusal> {
@@ -199,10 +212,12 @@ impl Axis {
         match action {
             Action::Hold => {}
             Action::Release => {
-                // What is under way was commanded properly and comes to its end.
+                // Motion without anybody who watches over it is what the time-out is there for.
+                if self.is_moving() {
+                    return Err((Reason::Moving, 0));
+                }
                 self.commander.release();
-                self.staged = None;
-                self.shape = None;
+                self.forget_moves();
                 self.telemetry.hasten();
             }
             Action::Enable => match self.state {
@@ -210,17 +225,21 @@ impl Axis {
                     let fault = self.fault.map_or(0, u8::from);
                     return Err((Reason::FaultLatched, fault.into()));
                 }
+                _ if !self.drive_is_ready() => return Err((Reason::DriveNotReady, 0)),
                 State::NotReadyToSwitchOn => return Err((Reason::DriveNotReady, 0)),
+                _ if self.request == Some(Request::Disable) => return Err((Reason::Moving, 0)),
                 State::QuickStopActive => return Err((Reason::Moving, 0)),
                 State::SwitchOnDisabled => self.request = Some(Request::Enable),
                 State::ReadyToSwitchOn | State::SwitchedOn | State::OperationEnabled => {}
             },
             Action::Disable => match self.state {
                 State::OperationEnabled => {
+                    self.forget_moves();
                     self.stop();
                     self.request = Some(Request::Disable);
                 }
                 State::ReadyToSwitchOn | State::SwitchedOn => {
+                    self.forget_moves();
                     self.request = None;
                     self.enter(State::SwitchOnDisabled);
                 }
@@ -232,7 +251,8 @@ impl Axis {
                 State::Fault => {
                     self.fault = None;
                     self.request = None;
-                    self.enter(State::SwitchOnDisabled);
+                    // From there it goes on by itself once the drive is there and well.
+                    self.enter(State::NotReadyToSwitchOn);
                 }
                 _ => {}
             },
@@ -253,8 +273,8 @@ impl Axis {
         }
     }
 
-    fn profile(&mut self, kind: ProfileKind) -> Profile {
-        match (kind, self.shape.take()) {
+    fn profile(&self, kind: ProfileKind) -> Profile {
+        match (kind, self.shape) {
             (ProfileKind::Beta, _) => Profile::Beta,
             (ProfileKind::Trapezoid, None) => Profile::Trapezoid,
             (ProfileKind::Trapezoid, Some((acceleration, deceleration))) => {
@@ -291,7 +311,10 @@ impl Axis {
     }
 
     fn trigger(&mut self, frame: &Frame, group: u8, session: Session, start: Tick) -> Outcome {
-        if self.last_trigger == Some(*frame) {
+        if let Some((last, report)) = self.last_trigger
+            && last == *frame
+        {
+            self.telemetry.answer(report);
             return Outcome::Repeated;
         }
         let Some(staged) = self
@@ -300,15 +323,18 @@ impl Axis {
         else {
             return Outcome::Ignored;
         };
-        self.last_trigger = Some(*frame);
         self.staged = None;
         let answer = if start < self.tick {
             Err((Reason::TooLate, self.tick.since(start).0))
+        } else if start.since(self.tick) > LONGEST_LEAD {
+            Err((Reason::BadValue, 0))
         } else {
             self.ready()
                 .and_then(|()| self.depart(staged.sequence, staged.asked, start))
         };
-        self.answer(frame, Function::Trigger, group, answer)
+        let report = acknowledgement(Function::Trigger, group, answer);
+        self.last_trigger = Some((*frame, report));
+        self.answer(Function::Trigger, group, answer)
     }
 
     /// Comes to rest as quickly as the limits allow.
@@ -318,6 +344,19 @@ impl Axis {
             self.departure = None;
             self.telemetry.hasten();
         }
+    }
+}
+
+fn acknowledgement(function: Function, sequence: u8, answer: Result<u32, Refusal>) -> Report {
+    let (reason, detail) = match answer {
+        Ok(detail) => (Reason::Accepted, detail),
+        Err(refusal) => refusal,
+    };
+    Report::Acknowledgement {
+        sequence,
+        function,
+        reason,
+        detail,
     }
 }
 

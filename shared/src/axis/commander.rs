@@ -12,6 +12,8 @@ pub(super) struct Commander {
     session: Option<Session>,
     heard: Tick,
     sequence: u8,
+    /// The number of the hold itself, to know its repetition.
+    held_with: u8,
 }
 
 impl Commander {
@@ -20,14 +22,22 @@ impl Commander {
     }
 
     /// Takes the axis for `session` where it is free or held by the same; numbers begin anew.
-    pub(super) fn hold(&mut self, session: Session, sequence: u8, now: Tick) -> Result<(), Session> {
+    /// Says whether they do: the repetition of a hold must not make old numbers new.
+    pub(super) fn hold(
+        &mut self,
+        session: Session,
+        sequence: u8,
+        now: Tick,
+    ) -> Result<bool, Session> {
         match self.session {
             Some(holder) if holder != session => Err(holder),
+            Some(_) if sequence == self.held_with => Ok(false),
             _ => {
                 self.session = Some(session);
                 self.heard = now;
                 self.sequence = sequence;
-                Ok(())
+                self.held_with = sequence;
+                Ok(true)
             }
         }
     }
@@ -58,8 +68,8 @@ impl Commander {
         }
     }
 
-    /// Follows a step of the bus clock: silence is counted from `now`.
-    pub(super) fn rebase(&mut self, now: Tick) {
-        self.heard = now;
+    /// Follows a step of the bus clock by `ticks`: silence goes on being counted.
+    pub(super) fn rebase(&mut self, ticks: i64) {
+        self.heard = Tick(self.heard.0.saturating_add_signed(ticks));
     }
 }

@@ -61,7 +61,9 @@ impl Fault {
             }
             Self::DriveLost => "check the drive's power and bus, then clear and enable",
             Self::DriveFault => "read the fault with the drive's own tool, then clear and enable",
-            Self::EnableTimeout => "check the drive's power and its own state, then clear and enable",
+            Self::EnableTimeout => {
+                "check the drive's power and its own state, then clear and enable"
+            }
         }
     }
 }

@@ -6,7 +6,6 @@ use super::{Axis, HOST_TIMEOUT, Request};
 use crate::drive::Condition;
 use crate::motion::{Motion, Setpoint};
 use crate::time::Ticks;
-use crate::wire::report::Report;
 
 /// How long a drive may take to enable: 1 s, time for the brake of a large one.
 const ENABLE_TIMEOUT: Ticks = Ticks(1_000);
@@ -20,25 +19,39 @@ impl Axis {
                 self.raise(Fault::HostTimeout);
             }
         }
-        let condition = self.drive.map(|report| report.condition);
-        match condition {
-            Some(Condition::Faulted) if self.state.drives() => self.raise(Fault::DriveFault),
-            Some(Condition::Lost) if self.state.drives() => self.raise(Fault::DriveLost),
-            // It has enabled before, so it has dropped out by itself.
-            Some(Condition::Disabled) if self.state == State::OperationEnabled => {
-                self.raise(Fault::DriveFault);
-            }
-            _ => {}
-        }
+        self.watch_drive();
         self.advance();
+    }
+
+    /// A drive that drops out while it should follow cannot be led any more: whatever the axis
+    /// was about to do ends here.
+    fn watch_drive(&mut self) {
+        // A drive that has not enabled yet is waited for.
+        let enabling = matches!(self.state, State::ReadyToSwitchOn | State::SwitchedOn);
+        let fault = match self.condition() {
+            _ if !self.state.drives() => return,
+            Some(Condition::Enabled) => return,
+            Some(Condition::Disabled) if enabling => return,
+            None | Some(Condition::Lost) => Fault::DriveLost,
+            Some(Condition::Disabled | Condition::Faulted) => Fault::DriveFault,
+        };
+        self.raise(fault);
+        // With an earlier fault latched, that one stays the cause.
+        self.freeze();
+        self.enter(State::Fault);
     }
 
     /// Forgets the session and all that only it could have meant.
     pub(super) fn lose_commander(&mut self) {
         self.commander.release();
+        self.forget_moves();
+        self.last_command = None;
+    }
+
+    /// Forgets what was prepared for later.
+    pub(super) fn forget_moves(&mut self) {
         self.staged = None;
         self.shape = None;
-        self.last_command = None;
     }
 
     /// Latches a fault, the first one only: what follows from it would hide the cause.
@@ -48,13 +61,14 @@ impl Axis {
         }
         self.fault = Some(fault);
         self.request = None;
-        self.staged = None;
-        self.shape = None;
-        self.telemetry.answer(Report::Fault {
-            fault: fault.into(),
-            time: self.handed_over,
-        });
-        let gone = matches!(fault, Fault::DriveFault | Fault::DriveLost);
+        self.forget_moves();
+        // No answer from before the fault is true any more.
+        self.last_command = None;
+        self.telemetry.fault(fault.into(), self.handed_over);
+        let gone = matches!(
+            fault,
+            Fault::DriveFault | Fault::DriveLost | Fault::EnableTimeout
+        );
         if self.state.drives() && !gone {
             self.motion.stop(self.tick, &self.limits);
             self.enter(State::FaultReactionActive);
@@ -83,17 +97,26 @@ impl Axis {
         };
     }
 
+    /// Ends a motion that has come to its end, at that end.
+    fn rest(&mut self) {
+        self.setpoint = self.motion.at(self.tick);
+        self.freeze();
+    }
+
     fn advance(&mut self) {
         let at_rest = !self.motion.is_moving(self.tick);
         match self.state {
             State::NotReadyToSwitchOn => {
-                if let Some(report) = self.drive {
+                if let Some(report) = self.drive.filter(|_| self.drive_is_ready()) {
                     self.setpoint.position = report.position;
                     self.enter(State::SwitchOnDisabled);
                 }
             }
             State::SwitchOnDisabled => {
-                if self.request == Some(Request::Enable) {
+                if !self.drive_is_ready() {
+                    self.request = None;
+                    self.enter(State::NotReadyToSwitchOn);
+                } else if self.request == Some(Request::Enable) {
                     self.follow_drive();
                     self.enter(State::ReadyToSwitchOn);
                 }
@@ -101,7 +124,7 @@ impl Axis {
             State::ReadyToSwitchOn => {
                 // The drive may be moved by hand until it holds torque.
                 self.follow_drive();
-                if self.drive_is_enabled() {
+                if self.condition() == Some(Condition::Enabled) {
                     self.enter(State::SwitchedOn);
                 } else if self.tick.since(self.since) > ENABLE_TIMEOUT {
                     self.raise(Fault::EnableTimeout);
@@ -118,11 +141,11 @@ impl Axis {
             }
             State::QuickStopActive if at_rest => {
                 self.request = None;
-                self.freeze();
+                self.rest();
                 self.enter(State::SwitchOnDisabled);
             }
             State::FaultReactionActive if at_rest => {
-                self.freeze();
+                self.rest();
                 self.enter(State::Fault);
             }
             State::QuickStopActive | State::FaultReactionActive | State::Fault => {}

@@ -36,6 +36,9 @@ pub struct Counters {
 #[derive(Debug, Clone)]
 pub(super) struct Telemetry {
     answers: Deque<Report, WAITING>,
+    /// Of these only the newest counts, and no flood of answers may crowd them out.
+    fault: Option<Report>,
+    started: Option<Report>,
     stagger: u64,
     feedback_due: bool,
     heartbeat_due: bool,
@@ -52,6 +55,8 @@ impl Telemetry {
     pub(super) fn new(axis: u8) -> Self {
         Self {
             answers: Deque::new(),
+            fault: None,
+            started: None,
             stagger: STAGGER * u64::from(axis),
             feedback_due: false,
             heartbeat_due: true,
@@ -76,7 +81,12 @@ impl Telemetry {
     }
 
     pub(super) fn next(&mut self) -> Option<Due> {
-        if let Some(report) = self.answers.pop_front() {
+        let report = self
+            .fault
+            .take()
+            .or_else(|| self.answers.pop_front())
+            .or_else(|| self.started.take());
+        if let Some(report) = report {
             return Some(Due::Report(report));
         }
         if core::mem::take(&mut self.feedback_due) {
@@ -85,7 +95,11 @@ impl Telemetry {
         core::mem::take(&mut self.heartbeat_due).then_some(Due::Heartbeat)
     }
 
-    pub(super) fn started(&mut self, sequence: u8, time: BusTime) -> bool {
-        self.answer(Report::Started { sequence, time })
+    pub(super) fn started(&mut self, sequence: u8, time: BusTime) {
+        self.started = Some(Report::Started { sequence, time });
+    }
+
+    pub(super) fn fault(&mut self, fault: u8, time: BusTime) {
+        self.fault = Some(Report::Fault { fault, time });
     }
 }

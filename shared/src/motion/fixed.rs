@@ -85,10 +85,23 @@ mod tests {
 
     #[test]
     fn edges() {
-        for value in [0, 1, 2, 3, u64::MAX, u64::MAX - 1, 1 << 63, 1 << 62, (1 << 63) - 1] {
+        for value in [
+            0,
+            1,
+            2,
+            3,
+            u64::MAX,
+            u64::MAX - 1,
+            1 << 63,
+            1 << 62,
+            (1 << 63) - 1,
+        ] {
             let root = square_root(value) as f64;
             let exact = libm::sqrt(value as f64) * 4_294_967_296.0;
-            assert!((root - exact).abs() <= exact * 1.14e-13 + 1.0, "{value}: {root} {exact}");
+            assert!(
+                (root - exact).abs() <= exact * 1.14e-13 + 1.0,
+                "{value}: {root} {exact}"
+            );
         }
         assert_eq!(scale(i64::MIN, ALMOST_ONE), i64::MIN);
         assert_eq!(scale(i64::MIN, 0), 0);

@@ -117,10 +117,7 @@ pub(crate) fn overlay(
 
 fn keeps(rest: i64, under_way: &[Beta], added: &Beta, limits: &Limits) -> bool {
     let from = added.start();
-    let end = under_way
-        .iter()
-        .map(Beta::end)
-        .fold(added.end(), Tick::max);
+    let end = under_way.iter().map(Beta::end).fold(added.end(), Tick::max);
     let length = end.0.saturating_sub(from.0);
     let windows = WINDOWS.min(length.max(1));
     (0..windows).all(|window| {

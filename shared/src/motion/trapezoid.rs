@@ -117,8 +117,8 @@ impl Trapezoid {
 
     /// Counts/s for a distance in counts.
     fn cruise_velocity(&self, distance: f64) -> f64 {
-        let ticks = f64::from(self.acceleration.0 + self.deceleration.0)
-            + 2.0 * f64::from(self.cruise.0);
+        let ticks =
+            f64::from(self.acceleration.0 + self.deceleration.0) + 2.0 * f64::from(self.cruise.0);
         2.0 * distance / ticks * TICKS_PER_SECOND as f64
     }
 
@@ -148,9 +148,15 @@ impl Trapezoid {
         let rate = TICKS_PER_SECOND as f64;
         let velocity = self.cruise_velocity(to.saturating_sub(from) as f64);
         let rates = [
-            (self.acceleration, velocity * rate / f64::from(self.acceleration.0)),
+            (
+                self.acceleration,
+                velocity * rate / f64::from(self.acceleration.0),
+            ),
             (self.cruise, 0.0),
-            (self.deceleration, -velocity * rate / f64::from(self.deceleration.0)),
+            (
+                self.deceleration,
+                -velocity * rate / f64::from(self.deceleration.0),
+            ),
         ];
         let mut phases = Vec::new();
         let mut entry = Entry {

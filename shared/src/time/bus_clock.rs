@@ -2,10 +2,11 @@
 //!
 //! Each SYNC carries the bus time at which it was sent. It can arrive late, on a host with an
 //! ordinary kernel by milliseconds, but never early. So of each window of SYNCs only the one with
-//! the least delay counts; and where even that one seems late, the clock gives way no faster than
-//! two crystals can part. A proportional and integral correction sets offset and rate. What delay
-//! is left, the frame's own length on the bus among it, is the same for all nodes and so does not
-//! move them against each other.
+//! the least delay counts. It corrects the offset by half of its error; the rate comes from the
+//! longest stretch of time between two such SYNCs, over which their delays matter least. Where even
+//! the best one of a window seems late, it is not believed. What delay is left, the frame's own
+//! length on the bus among it, is the same for all nodes and so does not move them against each
+//! other.
 
 use super::{BusTime, LocalTime, MICROSECONDS_PER_TICK};
 
@@ -19,14 +20,22 @@ const STEP: i64 = 50_000;
 /// The largest rate correction: 500 ppm in units of 2^-32.
 const LARGEST_RATE: i64 = (1 << 32) / 2_000;
 
-/// Two crystals part by at most 1 / 5000, 200 ppm: an error beyond that is delay, not drift.
+/// Two crystals part by at most 1 / 5000, 200 ppm: while axes move the clock gives way no faster.
 const DRIFT: i64 = 5_000;
 
-/// A window's drift moves the offset by half of itself.
-const PROPORTIONAL_SHIFT: u32 = 1;
+/// The least delay in a window varies by this much on a quiet bus, in microseconds: an error
+/// beyond it and drift together is delay.
+const JITTER: i64 = 20;
 
-/// A window's drift, taken over the window's length, moves the rate by an eighth of itself.
-const INTEGRAL_SHIFT: u32 = 3;
+/// A window's error moves the offset by half of itself, a new rate the old one by half of their
+/// difference.
+const SHIFT: u32 = 1;
+
+/// The least stretch that a rate is taken from, in microseconds: jitter over 25 ms is some 100 ppm.
+const SHORTEST_STRETCH: u64 = 25_000;
+
+/// The longest stretch: over 8 s a crystal's own rate may change with its temperature.
+const LONGEST_STRETCH: u64 = 8_000_000;
 
 /// What a SYNC did to the clock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,6 +50,15 @@ pub enum Discipline {
     Refused,
 }
 
+/// A SYNC: when it was sent and when it arrived.
+#[derive(Debug, Clone, Copy)]
+struct Sample {
+    received: LocalTime,
+    sent: BusTime,
+    /// Bus time minus the clock's estimate, in microseconds.
+    error: i64,
+}
+
 /// Maps a device's own clock to bus time.
 #[derive(Debug, Clone)]
 pub struct BusClock {
@@ -50,9 +68,12 @@ pub struct BusClock {
     rate: i64,
     synchronised: bool,
     samples: u8,
-    /// The greatest bus time minus estimate in the window, and when it was seen.
-    best: i64,
+    /// The least delayed SYNC of the window, and when the window began.
+    best: Option<Sample>,
     window_start: LocalTime,
+    /// Where the stretch begins that the rate is taken from, and where the next one will.
+    anchor: Option<Sample>,
+    next_anchor: Option<Sample>,
 }
 
 impl Default for BusClock {
@@ -70,8 +91,10 @@ impl BusClock {
             rate: 0,
             synchronised: false,
             samples: 0,
-            best: i64::MIN,
+            best: None,
             window_start: LocalTime(0),
+            anchor: None,
+            next_anchor: None,
         }
     }
 
@@ -101,7 +124,8 @@ impl BusClock {
     }
 
     /// Takes a SYNC that was sent at `sent` and arrived at `received`; `may_step` says that
-    /// nothing moves, so that the clock may jump.
+    /// nothing moves, so that the clock may jump. Otherwise it runs at most 200 ppm faster or
+    /// slower than its rate, however many SYNCs come and whatever they say.
     pub fn synchronise(
         &mut self,
         received: LocalTime,
@@ -117,34 +141,76 @@ impl BusClock {
             self.local = received;
             self.bus = sent;
             self.rate = 0;
+            self.anchor = None;
+            self.next_anchor = None;
             self.begin_window(received);
             return Discipline::Stepped;
         }
-        self.best = self.best.max(error);
+        let sample = Sample {
+            received,
+            sent,
+            error,
+        };
+        let best = match self.best {
+            Some(best) if best.error >= error => best,
+            _ => sample,
+        };
+        self.best = Some(best);
         self.samples += 1;
         if self.samples < WINDOW {
             return Discipline::Sampled;
         }
-        let length = received.since(self.window_start).max(MICROSECONDS_PER_TICK) as i64;
-        let drift = self.best.clamp(-length / DRIFT, length / DRIFT);
-        // A clock that is behind by more than drift was set by a SYNC that came late.
-        let offset = if self.best > drift {
-            self.best
-        } else {
-            drift >> PROPORTIONAL_SHIFT
-        };
-        // The drift is a 5000th of the length, so the quotient is below 2^32 / 5000.
-        let rate = ((drift << 32) / length) >> INTEGRAL_SHIFT;
-        self.bus = BusTime(self.bus_time(received).0.saturating_add_signed(offset));
-        self.local = received;
-        self.rate = (self.rate + rate).clamp(-LARGEST_RATE, LARGEST_RATE);
+        self.correct(received, best, may_step);
         self.begin_window(received);
         Discipline::Corrected
     }
 
+    /// Corrects offset and rate at the end of a window with its best sample.
+    fn correct(&mut self, now: LocalTime, best: Sample, may_step: bool) {
+        let length = now.since(self.window_start).max(MICROSECONDS_PER_TICK) as i64;
+        let drift = length / DRIFT;
+        let bound = drift + JITTER;
+        let offset = if best.error > bound && may_step {
+            // The clock was set by a SYNC that came late; what is known of its rate is as wrong.
+            self.anchor = None;
+            self.next_anchor = None;
+            best.error
+        } else {
+            (best.error >> SHIFT).clamp(-drift, drift)
+        };
+        self.bus = BusTime(self.bus_time(now).0.saturating_add_signed(offset));
+        self.local = now;
+        if best.error.abs() <= bound {
+            self.learn_rate(best);
+        }
+    }
+
+    /// Takes the rate from the stretch between the anchor and this sample.
+    fn learn_rate(&mut self, best: Sample) {
+        let Some(anchor) = self.anchor else {
+            self.anchor = Some(best);
+            return;
+        };
+        let stretch = best.received.since(anchor.received);
+        if stretch < SHORTEST_STRETCH {
+            return;
+        }
+        let gained = (best.sent.0.wrapping_sub(anchor.sent.0) as i64).wrapping_sub(stretch as i64);
+        // Both are within +-STEP of each other for each window: 2^16 << 32 fits with room.
+        let bounded = gained.clamp(-STEP, STEP);
+        let measured = ((bounded << 32) / stretch as i64).clamp(-LARGEST_RATE, LARGEST_RATE);
+        self.rate += (measured - self.rate) >> SHIFT;
+        if stretch >= LONGEST_STRETCH / 2 && self.next_anchor.is_none() {
+            self.next_anchor = Some(best);
+        }
+        if stretch >= LONGEST_STRETCH {
+            self.anchor = self.next_anchor.take();
+        }
+    }
+
     fn begin_window(&mut self, now: LocalTime) {
         self.samples = 0;
-        self.best = i64::MIN;
+        self.best = None;
         self.window_start = now;
     }
 }
@@ -163,7 +229,11 @@ mod tests {
             let bus = 3_600_000_000 + step * 20_000;
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             // One in four arrives at once.
-            let late = if seed >> 62 == 0 { 0 } else { (seed >> 33) % 5_000 };
+            let late = if seed >> 62 == 0 {
+                0
+            } else {
+                (seed >> 33) % 5_000
+            };
             let local = |bus: u64| LocalTime(1_000 + (bus - 3_600_000_000) * 10_001 / 10_000);
             clock.synchronise(local(bus + late), BusTime(bus), true);
             if step > 1_000 {

@@ -203,9 +203,7 @@ impl Command {
                 .put(&trigger::SESSION, session.into())
                 .put(&trigger::START, raw(start.0)),
             Self::Stop { sequence } => empty.put(&stop::SEQUENCE, sequence.into()),
-            Self::HostHeartbeat { session } => {
-                empty.put(&host_heartbeat::SESSION, session.into())
-            }
+            Self::HostHeartbeat { session } => empty.put(&host_heartbeat::SESSION, session.into()),
             Self::Control {
                 action,
                 sequence,

@@ -10,7 +10,9 @@ pub const AXIS_BITS: u32 = 6;
 pub const LAST_AXIS: u8 = (1 << AXIS_BITS) - 1;
 
 /// What a frame is for, the upper five bits of its id: the lower, the sooner it gets the bus.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, IntoPrimitive, TryFromPrimitive)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, IntoPrimitive, TryFromPrimitive,
+)]
 #[repr(u8)]
 pub enum Function {
     /// Stop now and latch a fault, from anybody.
@@ -115,5 +117,8 @@ impl From<AxisId> for Address {
 pub fn split(id: u16) -> Option<(Function, Address)> {
     let function = Function::try_from(u8::try_from(id >> AXIS_BITS).ok()?).ok()?;
     let axis = (id & u16::from(LAST_AXIS)) as u8;
-    Some((function, AxisId::new(axis).map_or(Address::All, Address::Axis)))
+    Some((
+        function,
+        AxisId::new(axis).map_or(Address::All, Address::Axis),
+    ))
 }

@@ -297,7 +297,12 @@ pub const LAYOUTS: [Layout; 18] = {
         layout(Function::MoveTrapezoid, Host, One, plain_move::FIELDS),
         layout(Function::StageBeta, Host, One, plain_move::FIELDS),
         layout(Function::StageTrapezoid, Host, One, plain_move::FIELDS),
-        layout(Function::Acknowledgement, Node, One, acknowledgement::FIELDS),
+        layout(
+            Function::Acknowledgement,
+            Node,
+            One,
+            acknowledgement::FIELDS,
+        ),
         layout(Function::Started, Node, One, started::FIELDS),
         layout(Function::Fault, Node, One, fault::FIELDS),
         layout(Function::Feedback, Node, One, feedback::FIELDS),
@@ -324,9 +329,8 @@ mod tests {
             for (index, field) in layout.fields.iter().enumerate() {
                 assert!(field.start + field.bits <= 64);
                 for other in &layout.fields[..index] {
-                    let together = field.part.is_none()
-                        || other.part.is_none()
-                        || field.part == other.part;
+                    let together =
+                        field.part.is_none() || other.part.is_none() || field.part == other.part;
                     let apart = other.start + other.bits <= field.start;
                     assert!(apart || !together, "{:?} {}", layout.function, field.name);
                 }

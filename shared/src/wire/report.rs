@@ -184,7 +184,7 @@ impl Report {
                 moving,
             } => put([
                 (feedback::POSITION, wire_steps(position)),
-                (feedback::VELOCITY, velocity.counts() >> VELOCITY_SHIFT),
+                (feedback::VELOCITY, wire_velocity(velocity)),
                 (feedback::STATE, state.into()),
                 (feedback::MOVING, moving.into()),
             ]),
@@ -298,6 +298,12 @@ impl Report {
         };
         Ok(Some((axis, report)))
     }
+}
+
+/// The nearest step, so that nothing at rest seems to creep.
+fn wire_velocity(velocity: Velocity) -> i64 {
+    let half = 1 << (VELOCITY_SHIFT - 1);
+    velocity.counts().saturating_add(half) >> VELOCITY_SHIFT
 }
 
 fn put<const COUNT: usize>(values: [(Field, i64); COUNT]) -> u64 {

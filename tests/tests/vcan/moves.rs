@@ -1,8 +1,10 @@
 //! The whole chain: moves from the command line, over real CAN, to a node.
 
 use super::robot::{ByHand, Robot, axis};
+use canter_shared::axis::state::State;
 use canter_shared::limits::Limits;
 use canter_shared::time::Ticks;
+use canter_shared::wire::report::Report;
 use canter_tests::candump::Candump;
 use canter_tests::measurement;
 use std::f64::consts::PI;
@@ -17,7 +19,10 @@ fn three_axes_leave_together_follow_the_curve_and_arrive_in_one_tick() {
     let robot = Robot::start("vcan1");
     let mut candump = Candump::start(robot.bus);
     robot.enable();
-    let moved = robot.run("move 1=90deg 2=-0.5turn 3=1rad --json").success().json();
+    let moved = robot
+        .run("move 1=90deg 2=-0.5turn 3=1rad --json")
+        .success()
+        .json();
     let trace = robot.finish();
     trace.keeps(&Limits::default(), JERK);
 
@@ -33,18 +38,35 @@ fn three_axes_leave_together_follow_the_curve_and_arrive_in_one_tick() {
         let (from, to) = stretch.ends();
         assert_eq!(from, 0.0);
         assert!((to - want).abs() <= 0.5e-6, "axis {id} ends at {to}");
-        assert_eq!(axes[usize::from(id) - 1]["target"].as_f64(), Some(to), "axis {id}");
+        assert_eq!(
+            axes[usize::from(id) - 1]["target"].as_f64(),
+            Some(to),
+            "axis {id}"
+        );
         let fit = stretch.fit(duration);
         worst = worst.max(fit.error);
         starts.push((fit.start, fit.start_us));
     }
     assert!(worst <= 2e-6, "{worst} rad off the curve");
-    assert!(starts.iter().all(|(tick, _)| *tick == starts[0].0), "{starts:?}");
+    assert!(
+        starts.iter().all(|(tick, _)| *tick == starts[0].0),
+        "{starts:?}"
+    );
     let times = || starts.iter().map(|(_, time)| *time);
     let skew = times().fold(f64::MIN, f64::max) - times().fold(f64::MAX, f64::min);
     assert!(skew <= 50.0, "{skew} us apart");
-    measurement("vcan", "distance from F(x), 3 axes", &format!("{worst:.2e} rad"), "<= 2e-6 rad");
-    measurement("vcan", "start skew, fitted", &format!("{skew:.3} us"), "<= 50 us");
+    measurement(
+        "vcan",
+        "distance from F(x), 3 axes",
+        &format!("{worst:.2e} rad"),
+        "<= 2e-6 rad",
+    );
+    measurement(
+        "vcan",
+        "start skew, fitted",
+        &format!("{skew:.3} us"),
+        "<= 50 us",
+    );
 
     decode_with_cantools(&mut candump);
 }
@@ -60,14 +82,25 @@ fn decode_with_cantools(candump: &mut Candump) {
         .stdout(Stdio::piped())
         .spawn()
         .expect("cantools runs");
-    let hex: String = stage.data.iter().map(|byte| format!("{byte:02X} ")).collect();
-    let line = format!("  vcan1  {:03X}   [{}]  {hex}\n", stage.id, stage.data.len());
+    let hex: String = stage
+        .data
+        .iter()
+        .map(|byte| format!("{byte:02X} "))
+        .collect();
+    let line = format!(
+        "  vcan1  {:03X}   [{}]  {hex}\n",
+        stage.id,
+        stage.data.len()
+    );
     let mut input = decode.stdin.take().expect("a pipe");
     input.write_all(line.as_bytes()).expect("cantools reads");
     drop(input);
     let output = decode.wait_with_output().expect("cantools ends");
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(output.status.success() && text.contains("StageBeta"), "{text}");
+    assert!(
+        output.status.success() && text.contains("StageBeta"),
+        "{text}"
+    );
     assert!(text.contains("target: 0.25 turn"), "{text}");
 }
 
@@ -79,14 +112,30 @@ fn a_trapezoid_keeps_the_limits_that_were_asked_for() {
     robot.run(request).success();
     let trace = robot.finish();
     let fastest = |id| {
-        trace.axis(id).iter().map(|row| row.velocity.abs()).fold(0.0, f64::max)
+        trace
+            .axis(id)
+            .iter()
+            .map(|row| row.velocity.abs())
+            .fold(0.0, f64::max)
     };
     let strongest = |id, sign: f64| {
-        trace.axis(id).iter().map(|row| sign * row.acceleration).fold(0.0, f64::max)
+        trace
+            .axis(id)
+            .iter()
+            .map(|row| sign * row.acceleration)
+            .fold(0.0, f64::max)
     };
     assert!(fastest(1) <= 5.0 && fastest(1) > 4.9, "{}", fastest(1));
-    assert!(strongest(1, 1.0) <= 20.0 && strongest(1, 1.0) > 19.0, "{}", strongest(1, 1.0));
-    assert!(strongest(1, -1.0) <= 40.0 && strongest(1, -1.0) > 36.0, "{}", strongest(1, -1.0));
+    assert!(
+        strongest(1, 1.0) <= 20.0 && strongest(1, 1.0) > 19.0,
+        "{}",
+        strongest(1, 1.0)
+    );
+    assert!(
+        strongest(1, -1.0) <= 40.0 && strongest(1, -1.0) > 36.0,
+        "{}",
+        strongest(1, -1.0)
+    );
     assert_eq!(trace.stretches(1).len(), 1);
     let rests = |id| trace.stretches(id)[0].rows.last().map(|row| row.tick);
     assert_eq!(rests(1), rests(2));
@@ -98,17 +147,25 @@ fn a_retarget_in_mid_move_does_not_jump() {
     let mut hand = ByHand::new(robot.bus);
     let one = axis(1);
     hand.hold_and_enable(one);
-    let enabled = || robot.trace().axis(1).last().is_some_and(|row| row.state == "operation enabled");
-    hand.beat_until("enabled axis", enabled);
-    // Tight moves that meet in every part of each other, there and back.
+    hand.beat_until("enabled axis", one, |report| match report {
+        Report::Feedback { state, .. } => *state == u8::from(State::OperationEnabled),
+        _ => false,
+    });
+    // Tight moves that meet each other in one part after the other, there and back.
     for (round, target) in [2.0, -1.0, 3.0, 0.5, -2.0, 2.5].into_iter().enumerate() {
-        hand.move_to(one, target, Ticks(400 + 40 * round as u32));
-        let before = robot.trace().axis(1).len();
-        let later = 60 + 40 * round;
-        hand.beat_until("later tick", || robot.trace().axis(1).len() >= before + later);
+        let duration = Ticks(400 + 40 * round as u32);
+        hand.move_to(one, target, duration);
+        let mut left = 3 + 2 * round;
+        while left > 0 {
+            hand.beat_until("next feedback", one, |report| {
+                matches!(report, Report::Feedback { .. })
+            });
+            left -= 1;
+        }
     }
-    let at_rest = || robot.trace().axis(1).iter().rev().take(200).all(|row| row.velocity == 0.0);
-    hand.beat_until("rest", at_rest);
+    hand.beat_until("rest", one, |report| {
+        matches!(report, Report::Feedback { moving: false, .. })
+    });
     let trace = robot.finish();
     trace.keeps(&Limits::default(), 2.0 * JERK);
     let last = trace.axis(1).last().expect("rows");

@@ -43,8 +43,15 @@ fn bad_requests_are_clear_errors_and_move_nothing() {
         ("enable 41", 1, "axis 41 does not answer"),
     ] {
         let finished = robot.run(arguments);
-        assert_eq!(finished.status.code(), Some(code), "{arguments}: {finished:#?}");
-        assert!(finished.stderr.contains(words), "{arguments}: {finished:#?}");
+        assert_eq!(
+            finished.status.code(),
+            Some(code),
+            "{arguments}: {finished:#?}"
+        );
+        assert!(
+            finished.stderr.contains(words),
+            "{arguments}: {finished:#?}"
+        );
     }
     for (bus, words) in [
         ("vcan99", "no CAN interface"),
@@ -55,7 +62,10 @@ fn bad_requests_are_clear_errors_and_move_nothing() {
     ] {
         let mut command = Command::new(canter_tests::canter());
         let finished = Process::spawn(command.args(["--can", bus, "scan"])).finish();
-        assert!(matches!(finished.status.code(), Some(1 | 2)), "{bus}: {finished:#?}");
+        assert!(
+            matches!(finished.status.code(), Some(1 | 2)),
+            "{bus}: {finished:#?}"
+        );
         assert!(finished.stderr.contains(words), "{bus}: {finished:#?}");
     }
     assert!(!robot.finish().moved(), "something moved");

@@ -3,14 +3,19 @@
 use canter_shared::time::Ticks;
 use canter_shared::units::Position;
 use canter_shared::wire::command::{Action, Command as Word, ProfileKind};
+use canter_shared::wire::frame::Frame;
 use canter_shared::wire::id::{Address, AxisId};
+use canter_shared::wire::report::Report;
 use canter_tests::PATIENCE;
 use canter_tests::process::{Finished, Process};
 use canter_tests::trace::Trace;
-use socketcan::{CanFrame, CanSocket, EmbeddedFrame, Socket, StandardId};
+use socketcan::{CanFrame, CanSocket, EmbeddedFrame, Frame as _, Socket, StandardId};
 use std::path::PathBuf;
 use std::process::Command;
 use std::time::{Duration, Instant};
+
+/// Between two heartbeats of a hand-made host.
+const BEAT: Duration = Duration::from_millis(40);
 
 /// A node process, its bus and its trace.
 pub struct Robot {
@@ -61,14 +66,11 @@ impl Robot {
         Trace::read(&self.trace)
     }
 
-    /// Waits until the trace says so: it grows while the node runs.
+    /// Waits for a report of `axis`, from now on.
     #[track_caller]
-    pub fn wait_for(&self, what: &str, wanted: impl Fn(&Trace) -> bool) {
-        let given_up = Instant::now() + PATIENCE;
-        while !wanted(&self.trace()) {
-            assert!(Instant::now() < given_up, "no {what}");
-            std::thread::yield_now();
-        }
+    pub fn wait_for(&self, what: &str, axis: AxisId, wanted: impl Fn(&Report) -> bool) {
+        let socket = CanSocket::open(self.bus).expect("the bus is up");
+        wait_for_report(&socket, what, axis, wanted);
     }
 
     /// Ends the node, and gives its whole trace.
@@ -77,6 +79,27 @@ impl Robot {
         self.node.finish().success();
         Trace::read(&self.trace)
     }
+}
+
+#[track_caller]
+fn wait_for_report(socket: &CanSocket, what: &str, axis: AxisId, wanted: impl Fn(&Report) -> bool) {
+    let given_up = Instant::now() + PATIENCE;
+    while Instant::now() < given_up {
+        if let Some((from, report)) = next_report(socket, PATIENCE)
+            && from == axis
+            && wanted(&report)
+        {
+            return;
+        }
+    }
+    panic!("no {what}");
+}
+
+/// The next frame of the bus as a report, where it is one.
+fn next_report(socket: &CanSocket, limit: Duration) -> Option<(AxisId, Report)> {
+    let frame = socket.read_frame_timeout(limit).ok()?;
+    let frame = Frame::new(frame.raw_id() as u16, frame.data())?;
+    Report::decode(&frame).ok()?
 }
 
 /// A commander made by hand, frame by frame: for what no `canter` command does.
@@ -130,16 +153,24 @@ impl ByHand {
         self.send(axis.into(), word);
     }
 
-    /// Keeps the session alive for as long as `wanted` does not hold.
+    /// Keeps the session alive until a report of `axis` is as wanted.
     #[track_caller]
-    pub fn beat_until(&mut self, what: &str, mut wanted: impl FnMut() -> bool) {
+    pub fn beat_until(&mut self, what: &str, axis: AxisId, wanted: impl Fn(&Report) -> bool) {
         let given_up = Instant::now() + PATIENCE;
-        while !wanted() {
+        let mut next = Instant::now();
+        loop {
             assert!(Instant::now() < given_up, "no {what}");
-            let session = self.session;
-            self.send(Address::All, Word::HostHeartbeat { session });
-            // Waits for the next frame of the bus, or a heartbeat's time.
-            let _ = self.socket.read_frame_timeout(Duration::from_millis(20));
+            if Instant::now() >= next {
+                next = Instant::now() + BEAT;
+                let session = self.session;
+                self.send(Address::All, Word::HostHeartbeat { session });
+            }
+            if let Some((from, report)) = next_report(&self.socket, BEAT)
+                && from == axis
+                && wanted(&report)
+            {
+                return;
+            }
         }
     }
 }

@@ -32,7 +32,8 @@ pub fn run(context: &Context, arguments: &Move) -> Result<()> {
             }
         }
         let bar = Bar::new();
-        let arrivals = client.move_together(&context.robot, &request, |progress| bar.show(progress));
+        let arrivals =
+            client.move_together(&context.robot, &request, |progress| bar.show(progress));
         bar.end();
         arrivals
     })();
@@ -52,7 +53,10 @@ fn request(arguments: &Move) -> Result<MoveRequest> {
         .collect();
     for (index, goal) in goals.iter().enumerate() {
         if goals[..index].iter().any(|other| other.axis == goal.axis) {
-            bail!("axis {} is named twice: give each axis one position", goal.axis);
+            bail!(
+                "axis {} is named twice: give each axis one position",
+                goal.axis
+            );
         }
     }
     Ok(MoveRequest {

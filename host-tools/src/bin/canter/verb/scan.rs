@@ -20,10 +20,16 @@ pub fn run(context: &Context) -> Result<()> {
                 node.axis,
                 node.board.map_or("unknown", Board::name),
                 dotted(node),
-                node.protocol
-                    .map_or_else(String::new, |version| format!("{}.{}", version.major, version.minor)),
+                node.protocol.map_or_else(String::new, |version| format!(
+                    "{}.{}",
+                    version.major, version.minor
+                )),
                 node.chip().unwrap_or_default(),
-                if node.is_doubled() { "  TWO NODES with this id" } else { "" },
+                if node.is_doubled() {
+                    "  TWO NODES with this id"
+                } else {
+                    ""
+                },
             );
         }
     }
@@ -36,7 +42,9 @@ pub fn run(context: &Context) -> Result<()> {
 
 fn dotted(node: &KnownNode) -> String {
     node.firmware
-        .map_or_else(String::new, |[major, minor, patch]| format!("{major}.{minor}.{patch}"))
+        .map_or_else(String::new, |[major, minor, patch]| {
+            format!("{major}.{minor}.{patch}")
+        })
 }
 
 fn document(node: &KnownNode) -> serde_json::Value {
