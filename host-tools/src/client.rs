@@ -9,6 +9,7 @@
 //! | `known` | what is known of each axis from its reports |
 //! | `link` | waiting, the beacon, questions and answers |
 //! | `power` | hold, enable, disable, clear, stop |
+//! | `plan` | each axis's part of a move, checked before anything is sent |
 //! | `movement` | synchronised moves |
 //! | `error` | what can go wrong |
 
@@ -16,11 +17,13 @@ mod error;
 mod known;
 mod link;
 mod movement;
+mod plan;
 mod power;
 
 pub use error::ClientError;
 pub use known::{Counters, KnownAxis, KnownNode};
-pub use movement::{Arrival, Goal, MoveRequest, Overrides, Progress, Target};
+pub use movement::{Arrival, Goal, MoveRequest, Progress, Target};
+pub use plan::Overrides;
 
 use crate::bus::Bus;
 use canter_shared::time::BusTime;

@@ -83,7 +83,7 @@ pub fn perform(
 
     let mut moves = Vec::new();
     // Each axis goes somewhere else, there and back, and all arrive together.
-    let spread = |index: usize| (index % 3) as f64 - 1.3 + 0.15 * (index / 3) as f64;
+    let spread = |index: usize| (index % 3) as f64 - 1.3 + 0.17 * (index / 3) as f64;
     let back = |index: usize| -0.5 * spread(index);
     for (title, profile, goals) in [
         (

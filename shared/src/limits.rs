@@ -191,6 +191,22 @@ impl Limits {
         self.position_maximum
     }
 
+    /// The position inside the travel that is nearest to `position`, where it is less than
+    /// `tolerance` away; otherwise `position` itself, which is then not allowed.
+    ///
+    /// A limit need not be a whole step of the wire nor of a person's unit: a target that misses
+    /// it by rounding means the limit.
+    pub fn snap(&self, position: Position, tolerance: Position) -> Position {
+        let inside = position
+            .max(self.position_minimum)
+            .min(self.position_maximum);
+        if (position - inside).abs() < tolerance {
+            inside
+        } else {
+            position
+        }
+    }
+
     /// Whether `position` is inside the travel.
     pub fn allow(&self, position: Position) -> bool {
         (self.position_minimum..=self.position_maximum).contains(&position)

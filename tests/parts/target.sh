@@ -8,4 +8,7 @@ image_cargo build --profile firmware --package canter-firmware --no-default-feat
 image_cargo build --profile firmware --package canter-images
 
 say "tests"
-cargo test --locked --release --package canter-tests --test target -- --nocapture
+# `canter` is what they run.
+cargo build --locked --release --package canter
+# One at a time: the emulated node lives in real time.
+cargo test --locked --release --package canter-tests --test target -- --nocapture --test-threads=1

@@ -171,6 +171,10 @@ fn refusal(reason: Reason, detail: u32) -> String {
     let meaning = reason.meaning();
     let cure = reason.cure();
     match reason {
+        Reason::NotHeld => String::from(
+            "no session holds the axis: the heartbeats of this host came too late for it, so see \
+             that host and bus are not overloaded, and try again",
+        ),
         Reason::HeldByOther => format!("session {detail:#06x} holds the axis; {cure}"),
         Reason::FaultLatched => match Fault::try_from(detail as u8) {
             Ok(fault) => format!("the fault {} is latched; {}", fault.name(), fault.cure()),

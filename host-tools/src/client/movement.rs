@@ -5,18 +5,16 @@
 //! refuses moves nothing.
 
 use super::link::{MILLISECOND, Reply, after};
+use super::plan::{Overrides, Planned};
 use super::{Client, ClientError};
 use crate::bus::Bus;
 use crate::robot::Robot;
-use canter_shared::axis::state::State;
-use canter_shared::limits::{DEFAULT_VALUES, LimitValues, Limits};
-use canter_shared::motion::beta::Beta;
 use canter_shared::motion::trapezoid::Trapezoid;
-use canter_shared::time::{BusTime, LONGEST_MOVE, Ticks};
+use canter_shared::time::{BusTime, Ticks};
 use canter_shared::units::Position;
-use canter_shared::wire::command::{Command, ProfileKind, wire_position};
+use canter_shared::wire::command::{Command, ProfileKind};
 use canter_shared::wire::id::{Address, AxisId, Function};
-use canter_shared::wire::layout::POSITION_SHIFT;
+use canter_shared::wire::layout::POSITION_STEP;
 use canter_shared::wire::reason::Reason;
 
 /// Between the trigger and the start: time for the trigger to be sent three times and to get
@@ -31,13 +29,6 @@ const GRACE: u64 = 1_000 * MILLISECOND;
 
 /// How long drives may take to settle at their targets before their positions are told as they are.
 const SETTLE: u64 = 200 * MILLISECOND;
-
-/// One step of a position on the wire.
-const STEP: Position = Position::from_counts(1 << POSITION_SHIFT);
-
-/// How far from the planned range the axis's own may be: what the wire rounds off the position
-/// it reported and off the target, twice each.
-const RANGE_MARGIN: i64 = 4 << POSITION_SHIFT;
 
 /// Where an axis is to go.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,19 +46,6 @@ pub struct Goal {
     pub axis: AxisId,
     /// Where to.
     pub target: Target,
-}
-
-/// Limits of one move, each at most the axis's own; in rad and seconds.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Overrides {
-    /// The largest velocity.
-    pub velocity: Option<f64>,
-    /// The largest acceleration.
-    pub acceleration: Option<f64>,
-    /// The largest deceleration.
-    pub deceleration: Option<f64>,
-    /// The largest jerk.
-    pub jerk: Option<f64>,
 }
 
 /// A move of several axes.
@@ -113,14 +91,6 @@ pub struct Progress {
     pub duration: f64,
 }
 
-struct Planned {
-    axis: AxisId,
-    target: Position,
-    duration: Ticks,
-    limits: Limits,
-    range: Position,
-}
-
 impl<B: Bus> Client<B> {
     /// Moves axes that this session holds, together, and waits until all rest.
     ///
@@ -145,53 +115,6 @@ impl<B: Bus> Client<B> {
             let _ = self.stop(&axes);
         }
         result
-    }
-
-    /// Checks the request against all that is known, and finds each axis's duration.
-    fn plan(&mut self, robot: &Robot, request: &MoveRequest) -> Result<Vec<Planned>, ClientError> {
-        let axes: Vec<AxisId> = request.goals.iter().map(|goal| goal.axis).collect();
-        for axis in &axes {
-            let known = self.axes.get(axis);
-            if let Some(fault) = known.and_then(|known| known.fault) {
-                return Err(ClientError::Faulted { axis: *axis, fault });
-            }
-            match known.and_then(|known| known.state) {
-                Some(State::OperationEnabled) => {}
-                Some(state) => return Err(ClientError::NotEnabled { axis: *axis, state }),
-                None => {
-                    let bus = self.bus.description();
-                    return Err(ClientError::NoAnswer { axis: *axis, bus });
-                }
-            }
-        }
-        // Durations are found from where the axes are once they rest.
-        let positions = self.wait_for_rest(&axes)?;
-        let mut plan = Vec::new();
-        for goal in &request.goals {
-            let at = positions.get(&goal.axis).copied().unwrap_or_default();
-            plan.push(plan_axis(goal, at, robot, request)?);
-        }
-        if let Some(asked) = request.duration {
-            for planned in &mut plan {
-                let ticks = Ticks::from_seconds_ceil(asked)
-                    .filter(|ticks| *ticks <= LONGEST_MOVE)
-                    .ok_or(ClientError::TooLong { axis: planned.axis })?;
-                if ticks < planned.duration {
-                    return Err(ClientError::TooShort {
-                        axis: planned.axis,
-                        asked,
-                        shortest: planned.duration.seconds(),
-                    });
-                }
-                planned.duration = ticks;
-            }
-        } else if !request.independent {
-            let longest = plan.iter().map(|planned| planned.duration).max();
-            for planned in &mut plan {
-                planned.duration = longest.unwrap_or_default();
-            }
-        }
-        Ok(plan)
     }
 
     /// Stages every axis under one number, which is the group's name for the trigger.
@@ -376,7 +299,7 @@ impl<B: Bus> Client<B> {
                 known
                     .get(&planned.axis)
                     .and_then(|known| known.position)
-                    .is_some_and(|position| (position - planned.target).abs() <= STEP)
+                    .is_some_and(|position| (position - planned.target).abs() <= POSITION_STEP)
             })
         })?;
         Ok(())
@@ -427,79 +350,4 @@ impl<B: Bus> Client<B> {
 /// Within 1 mrad: what a drive may stay off its setpoint at rest and still count as arrived.
 fn is_near(position: Position, target: Position) -> bool {
     (position - target).abs().radians() <= 1e-3
-}
-
-fn plan_axis(
-    goal: &Goal,
-    at: f64,
-    robot: &Robot,
-    request: &MoveRequest,
-) -> Result<Planned, ClientError> {
-    let axis = goal.axis;
-    let own = robot.limits(axis);
-    let limits = narrowed(axis, &own, &request.limits)?;
-    let radians = match goal.target {
-        Target::Absolute(radians) => radians,
-        Target::Relative(radians) => at + radians,
-    };
-    let outside = ClientError::OutsideTravel {
-        axis,
-        target: radians,
-        minimum: own.position_minimum().radians(),
-        maximum: own.position_maximum().radians(),
-    };
-    let Ok(target) = Position::from_radians(radians) else {
-        return Err(outside);
-    };
-    if !own.allow(target) {
-        return Err(outside);
-    }
-    let target = wire_position(target);
-    let from =
-        Position::from_radians(at).map_err(|source| ClientError::Quantity { axis, source })?;
-    let range = (target - from).abs() + Position::from_counts(RANGE_MARGIN);
-    let duration = match request.profile {
-        ProfileKind::Beta => Beta::shortest(range, &limits),
-        ProfileKind::Trapezoid => {
-            Trapezoid::shortest(range, &limits).map(|trapezoid| trapezoid.duration())
-        }
-    };
-    Ok(Planned {
-        axis,
-        target,
-        duration: duration.ok_or(ClientError::TooLong { axis })?,
-        limits,
-        range,
-    })
-}
-
-/// The axis's limits with those of one move, which must not be above them.
-fn narrowed(axis: AxisId, own: &Limits, wanted: &Overrides) -> Result<Limits, ClientError> {
-    let pick = |field: &'static str, own: f64, wanted: Option<f64>| match wanted {
-        // The last digits of a limit are lost in its counts: who asks for the limit gets it.
-        Some(value) if value > own * (1.0 + 1e-9) => Err(ClientError::AboveLimit {
-            axis,
-            field,
-            value,
-            limit: (own * 1e9).round() / 1e9,
-        }),
-        Some(value) => Ok(value),
-        None => Ok(own),
-    };
-    // Values that no axis could have are refused by name before they are compared.
-    Limits::new(&LimitValues {
-        velocity: wanted.velocity.unwrap_or(DEFAULT_VALUES.velocity),
-        acceleration: wanted.acceleration.unwrap_or(DEFAULT_VALUES.acceleration),
-        deceleration: wanted.deceleration.unwrap_or(DEFAULT_VALUES.deceleration),
-        jerk: wanted.jerk.unwrap_or(DEFAULT_VALUES.jerk),
-        ..DEFAULT_VALUES
-    })?;
-    let limits = LimitValues {
-        velocity: pick("--vmax", own.velocity().radians(), wanted.velocity)?,
-        acceleration: pick("--amax", own.acceleration().radians(), wanted.acceleration)?,
-        deceleration: pick("--dmax", own.deceleration().radians(), wanted.deceleration)?,
-        jerk: pick("--jmax", own.jerk().radians(), wanted.jerk)?,
-        ..DEFAULT_VALUES
-    };
-    Ok(Limits::new(&limits)?)
 }

@@ -5,11 +5,10 @@ use super::state::State;
 use super::{Axis, Departure, Outcome, Request, Staged};
 use crate::motion::{Move, PlanError, Profile};
 use crate::time::{BusTime, LONGEST_MOVE, Tick, Ticks};
-use crate::units::Position;
 use crate::wire::command::{Action, Command, ProfileKind, Session};
 use crate::wire::frame::Frame;
 use crate::wire::id::Function;
-use crate::wire::layout::POSITION_SHIFT;
+use crate::wire::layout::POSITION_STEP;
 use crate::wire::reason::Reason;
 use crate::wire::report::Report;
 
@@ -147,7 +146,7 @@ impl Axis {
             } => {
                 self.ready()?;
                 let asked = Move {
-                    target: self.inside_by_a_step(target),
+                    target: self.limits.snap(target, POSITION_STEP),
                     duration,
                     profile: self.profile(profile),
                 };
@@ -258,19 +257,6 @@ impl Axis {
             },
         }
         Ok(0)
-    }
-
-    /// A limit need not be a whole step of the wire: a target less than one step outside is the
-    /// limit itself.
-    fn inside_by_a_step(&self, target: Position) -> Position {
-        let inside = target
-            .max(self.limits.position_minimum())
-            .min(self.limits.position_maximum());
-        if (target - inside).abs().counts() < 1 << POSITION_SHIFT {
-            inside
-        } else {
-            target
-        }
     }
 
     fn profile(&self, kind: ProfileKind) -> Profile {

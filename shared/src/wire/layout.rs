@@ -4,6 +4,7 @@
 //! is meant is `raw * factor` in `unit`.
 
 use super::id::Function;
+use crate::units::Position;
 
 /// The values that a field's numbers have names for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -151,6 +152,8 @@ impl Field {
 pub const POSITION_FACTOR: f64 = 1.0 / (1u64 << 23) as f64;
 /// Bits that a position in counts of 2^-32 turn loses on the wire.
 pub const POSITION_SHIFT: u32 = 32 - 23;
+/// One step of a position on the wire.
+pub const POSITION_STEP: Position = Position::from_counts(1 << POSITION_SHIFT);
 /// Velocities on the wire are in steps of 2^-14 turn/s (0.38 mrad/s): 24 bits hold +-512 turn/s.
 pub const VELOCITY_FACTOR: f64 = 1.0 / (1u64 << 14) as f64;
 /// Bits that a velocity in counts/s loses on the wire.

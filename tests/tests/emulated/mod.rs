@@ -3,8 +3,9 @@
 use std::io::{BufReader, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::process::Command;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
-use canter_shared::axis::state::State;
 use canter_shared::motion::Setpoint;
 use canter_shared::units::{Acceleration, Position, Velocity};
 use canter_shared::wire::command::Command as Say;
@@ -12,7 +13,7 @@ use canter_shared::wire::id::{Address, AxisId};
 use canter_shared::wire::report::Report;
 use canter_shared::wire::slcan::{Decoder, Line, encode};
 use canter_tests::PATIENCE;
-use canter_tests::process::Process;
+use canter_tests::process::{Finished, Process};
 
 use crate::image;
 
@@ -62,56 +63,79 @@ impl Record {
 pub struct Emulated {
     bus: TcpStream,
     decoder: Decoder,
-    drive: BufReader<TcpStream>,
     _machine: Process,
 }
 
+/// Starts the image with these serial ports: its bus and its drive port.
+///
+/// Its clock is this machine's: without `-icount`, so that idle time is spent and not simulated.
+fn machine(bus: &str, drive: &str) -> Process {
+    Process::spawn(
+        Command::new("qemu-system-arm")
+            .args(["-M", "netduinoplus2", "-kernel"])
+            .arg(image::path("emulated"))
+            .args(["-nographic", "-monitor", "none", "-no-reboot"])
+            .args(["-serial", bus, "-serial", drive]),
+    )
+}
+
+/// A port for QEMU to connect to: none to guess, and no moment to wait for.
+fn listen() -> (TcpListener, String) {
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a port of our own");
+    let address = listener
+        .local_addr()
+        .expect("a bound socket has an address");
+    (listener, format!("tcp:{address}"))
+}
+
+fn accept(listener: &TcpListener) -> TcpStream {
+    let (stream, _) = listener.accept().expect("QEMU connects");
+    stream
+        .set_read_timeout(Some(PATIENCE))
+        .and_then(|()| stream.set_nodelay(true))
+        .expect("a socket takes its options");
+    stream
+}
+
+fn next_record(drive: &mut impl Read) -> Option<Record> {
+    let mut bytes = [0; 32];
+    drive.read_exact(&mut bytes).ok()?;
+    Some(Record::parse(bytes))
+}
+
 impl Emulated {
-    /// Starts the image. Its clock is this machine's: without `-icount`, so that idle time is
-    /// spent and not simulated.
+    /// Starts the image and connects to its bus; what its drive port says is not looked at.
     pub fn start() -> Self {
-        // QEMU connects to us: no port to guess, and no moment to wait for.
-        let listen = || TcpListener::bind("127.0.0.1:0").expect("a port of our own");
-        let (bus, drive) = (listen(), listen());
-        let serial = |listener: &TcpListener| {
-            let address = listener
-                .local_addr()
-                .expect("a bound socket has an address");
-            format!("tcp:{address}")
-        };
-        // QEMU sends byte by byte. On the bus each counts at once; on the drive port, which carries
-        // a hundred times as many, a packet for each would keep a core busy.
-        let bus_port = serial(&bus) + ",nodelay=on";
-        let machine = Process::spawn(
-            Command::new("qemu-system-arm")
-                .args(["-M", "netduinoplus2", "-kernel"])
-                .arg(image::path("emulated"))
-                .args(["-nographic", "-monitor", "none", "-no-reboot"])
-                .args(["-serial", &bus_port, "-serial", &serial(&drive)]),
-        );
-        let accept = |listener: TcpListener| {
-            let (stream, _) = listener.accept().expect("QEMU connects");
-            stream
-                .set_read_timeout(Some(PATIENCE))
-                .and_then(|()| stream.set_nodelay(true))
-                .expect("a socket takes its options");
-            stream
-        };
+        let (bus, bus_port) = listen();
+        // QEMU sends byte by byte, and each counts at once.
+        let machine = machine(&(bus_port + ",nodelay=on"), "none");
         let mut node = Self {
-            bus: accept(bus),
+            bus: accept(&bus),
             decoder: Decoder::new(),
-            drive: BufReader::new(accept(drive)),
             _machine: machine,
         };
-        // Bytes that come before it has switched its UART on are dropped, as on a real chip.
-        node.next_record();
+        // Bytes that come before it has switched its UART on are dropped, as on a real chip: it is
+        // asked for its version until it answers.
+        node.wait_for_boot();
         node
     }
 
-    /// Opens the SLCAN channel.
-    pub fn open(&mut self) {
-        self.write(b"O\r");
-        self.expect(b"\r");
+    fn wait_for_boot(&mut self) {
+        let patient = self.bus.set_read_timeout(Some(Duration::from_millis(100)));
+        patient.expect("a socket takes its options");
+        let given_up = Instant::now() + PATIENCE;
+        let mut byte = [0];
+        loop {
+            assert!(Instant::now() < given_up, "the node does not boot");
+            self.write(b"V\r");
+            if self.bus.read_exact(&mut byte).is_ok() {
+                break;
+            }
+        }
+        // Answers to the questions before the last one may still come.
+        while self.bus.read_exact(&mut byte).is_ok() {}
+        let patient = self.bus.set_read_timeout(Some(PATIENCE));
+        patient.expect("a socket takes its options");
     }
 
     pub fn write(&mut self, bytes: &[u8]) {
@@ -147,30 +171,101 @@ impl Emulated {
             }
         }
     }
+}
 
-    /// The next setpoint of `axis`.
-    pub fn record(&mut self, axis: AxisId) -> Record {
-        loop {
-            let record = self.next_record();
-            if record.axis == axis.get() {
-                return record;
+/// What a drive port has said so far, and a bell that rings with each record.
+#[derive(Default)]
+struct Log {
+    records: Mutex<Vec<Record>>,
+    more: Condvar,
+}
+
+impl Log {
+    fn lock(&self) -> MutexGuard<'_, Vec<Record>> {
+        self.records.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn push(&self, record: Record) {
+        self.lock().push(record);
+        self.more.notify_all();
+    }
+}
+
+/// A running node whose bus waits for hosts, one after the other.
+pub struct Served {
+    bus: u16,
+    log: Arc<Log>,
+    _machine: Process,
+}
+
+impl Served {
+    /// Starts the image and keeps all that its drive port says.
+    pub fn start() -> Self {
+        let (free, _) = listen();
+        let bus = free.local_addr().expect("a bound socket has an address");
+        drop(free);
+        let (drive, drive_port) = listen();
+        let bus_port = format!("tcp:{bus},server=on,wait=off,nodelay=on");
+        let machine = machine(&bus_port, &drive_port);
+        let log = Arc::new(Log::default());
+        let mut drive = BufReader::new(accept(&drive));
+        // The first record says that the image has booted.
+        log.push(next_record(&mut drive).expect("the node ticks"));
+        let kept = Arc::clone(&log);
+        // All of it, all the time: a full pipe would hold the machine up.
+        std::thread::spawn(move || {
+            while let Some(record) = next_record(&mut drive) {
+                kept.push(record);
             }
+        });
+        Self {
+            bus: bus.port(),
+            log,
+            _machine: machine,
         }
     }
 
-    fn next_record(&mut self) -> Record {
-        let mut bytes = [0; 32];
-        self.drive.read_exact(&mut bytes).expect("the node ticks");
-        Record::parse(bytes)
+    /// A `canter` command on the node's bus, not started yet.
+    pub fn command(&self, arguments: &str) -> Command {
+        let mut command = Command::new(canter_tests::canter());
+        let bus = format!("slcan:tcp:127.0.0.1:{}", self.bus);
+        command
+            .args(["--can", &bus])
+            .args(arguments.split_whitespace());
+        command
     }
 
-    /// Waits until `axis` is in `state`.
-    pub fn wait_for_state(&mut self, axis: AxisId, state: State) -> Record {
+    /// Runs a `canter` command on the node's bus to its end.
+    pub fn run(&self, arguments: &str) -> Finished {
+        Process::spawn(&mut self.command(arguments)).finish()
+    }
+
+    /// The setpoints of `axis` so far.
+    pub fn records(&self, axis: u8) -> Vec<Record> {
+        let records = self.log.lock();
+        let of_axis = records.iter().filter(|record| record.axis == axis);
+        of_axis.copied().collect()
+    }
+
+    /// Waits for a setpoint of `axis`, from now on.
+    #[track_caller]
+    pub fn wait_for(&self, what: &str, axis: u8, wanted: impl Fn(&Record) -> bool) -> Record {
+        let given_up = Instant::now() + PATIENCE;
+        let mut records = self.log.lock();
+        let mut seen = records.len();
         loop {
-            let record = self.record(axis);
-            if record.state == u8::from(state) {
-                return record;
+            let new = records[seen..].iter();
+            if let Some(found) = new
+                .copied()
+                .find(|record| record.axis == axis && wanted(record))
+            {
+                return found;
             }
+            seen = records.len();
+            let left = given_up.saturating_duration_since(Instant::now());
+            assert!(!left.is_zero(), "no {what}");
+            let woken = self.log.more.wait_timeout(records, left);
+            records = woken.unwrap_or_else(PoisonError::into_inner).0;
         }
     }
 }

@@ -7,6 +7,7 @@ use canter_shared::wire::report::Report;
 use canter_tests::measurement;
 use canter_tests::process::Process;
 use canter_tests::trace::{Row, Trace};
+use std::process::Stdio;
 
 /// The default jerk limit, twice: a stop may begin while a move's own jerk is at its peak.
 const JERK: f64 = 2.0 * 20_000.0;
@@ -65,7 +66,11 @@ fn a_stop_from_another_process_brings_all_to_rest_and_ends_the_move() {
 fn a_killed_host_ends_in_a_stop_and_a_latched_fault() {
     let robot = Robot::start("vcan4");
     robot.enable();
-    let mut host = robot.command(LONG_MOVE).spawn().expect("canter starts");
+    let mut host = robot
+        .command(LONG_MOVE)
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("canter starts");
     wait_for_motion(&robot);
     host.kill().expect("it still runs");
     let at_kill = now_in_ticks();

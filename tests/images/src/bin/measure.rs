@@ -83,10 +83,14 @@ fn measure_beta() {
     setpoint.report("beta.setpoint");
 }
 
+/// Ticks between two heartbeats of the host.
+const BEAT: u32 = 100;
+
 /// A node with one axis, its answers thrown away.
 struct Bench {
     node: Node<Simulated, 1>,
     sequence: u8,
+    ticks: u32,
 }
 
 impl Bench {
@@ -100,7 +104,11 @@ impl Bench {
             let added = node.add_axis(axis, Limits::default(), Simulated::new(Position::ZERO));
             assert!(added.is_ok(), "a node has room for its axis");
         }
-        Self { node, sequence: 0 }
+        Self {
+            node,
+            sequence: 0,
+            ticks: 0,
+        }
     }
 
     fn tick(&mut self) -> u32 {
@@ -108,12 +116,19 @@ impl Bench {
         let node = &mut self.node;
         let count = count(|| node.tick(black_box(now)).len());
         while node.poll_transmit(now).is_some() {}
+        self.ticks += 1;
+        if self.ticks.is_multiple_of(BEAT) {
+            self.say(Command::HostHeartbeat { session: SESSION });
+        }
         count
     }
 
     fn say(&mut self, command: Command) -> u32 {
         let now = self.node.next_tick();
-        let axis = AxisId::new(1).map_or(Address::All, Address::Axis);
+        let axis = match command {
+            Command::HostHeartbeat { .. } => Address::All,
+            _ => AxisId::new(1).map_or(Address::All, Address::Axis),
+        };
         let Ok(frame) = command.encode(axis) else {
             panic!("{command:?} does not fit a frame")
         };
@@ -159,8 +174,6 @@ fn measure_node() {
     for _ in 0..10 {
         bench.tick();
     }
-    // Given back, the axis keeps what it is doing and needs no heartbeats.
-    bench.control(Action::Release);
     let mut still = Spread::new();
     for _ in 0..1_000 {
         still.add(bench.tick());
@@ -172,15 +185,11 @@ fn measure_node() {
     ] {
         let (mut start, mut moving, mut retarget) = (Spread::new(), Spread::new(), Spread::new());
         for round in 0..20 {
-            bench.control(Action::Hold);
             start.add(bench.go(1 + round % 3, profile));
-            bench.control(Action::Release);
             for _ in 0..500 + 50 * (round as u32 % 16) {
                 moving.add(bench.tick());
             }
-            bench.control(Action::Hold);
             retarget.add(bench.go(-3 + round % 5, profile));
-            bench.control(Action::Release);
             for _ in 0..4_500 {
                 bench.tick();
             }

@@ -1,0 +1,170 @@
+//! From a request to each axis's target, limits and duration, before anything is sent.
+
+use super::movement::{Goal, MoveRequest, Target};
+use super::{Client, ClientError};
+use crate::bus::Bus;
+use crate::robot::Robot;
+use canter_shared::axis::state::State;
+use canter_shared::limits::{DEFAULT_VALUES, LimitValues, Limits};
+use canter_shared::motion::beta::Beta;
+use canter_shared::motion::trapezoid::Trapezoid;
+use canter_shared::time::{LONGEST_MOVE, Ticks};
+use canter_shared::units::Position;
+use canter_shared::wire::command::{ProfileKind, wire_position};
+use canter_shared::wire::id::AxisId;
+use canter_shared::wire::layout::POSITION_STEP;
+
+/// How far from the planned range the axis's own may be: what the wire rounds off the position
+/// it reported and off the target, twice each.
+const RANGE_MARGIN: Position = Position::from_counts(4 * POSITION_STEP.counts());
+
+/// Limits of one move, each at most the axis's own; in rad and seconds.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Overrides {
+    /// The largest velocity.
+    pub velocity: Option<f64>,
+    /// The largest acceleration.
+    pub acceleration: Option<f64>,
+    /// The largest deceleration.
+    pub deceleration: Option<f64>,
+    /// The largest jerk.
+    pub jerk: Option<f64>,
+}
+
+/// What one axis is going to be asked for.
+pub(super) struct Planned {
+    pub axis: AxisId,
+    pub target: Position,
+    pub duration: Ticks,
+    pub limits: Limits,
+    pub range: Position,
+}
+
+impl<B: Bus> Client<B> {
+    /// Checks the request against all that is known, and finds each axis's duration.
+    pub(super) fn plan(
+        &mut self,
+        robot: &Robot,
+        request: &MoveRequest,
+    ) -> Result<Vec<Planned>, ClientError> {
+        let axes: Vec<AxisId> = request.goals.iter().map(|goal| goal.axis).collect();
+        for axis in &axes {
+            let known = self.axes.get(axis);
+            if let Some(fault) = known.and_then(|known| known.fault) {
+                return Err(ClientError::Faulted { axis: *axis, fault });
+            }
+            match known.and_then(|known| known.state) {
+                Some(State::OperationEnabled) => {}
+                Some(state) => return Err(ClientError::NotEnabled { axis: *axis, state }),
+                None => {
+                    let bus = self.bus.description();
+                    return Err(ClientError::NoAnswer { axis: *axis, bus });
+                }
+            }
+        }
+        // Durations are found from where the axes are once they rest.
+        let positions = self.wait_for_rest(&axes)?;
+        let mut plan = Vec::new();
+        for goal in &request.goals {
+            let at = positions.get(&goal.axis).copied().unwrap_or_default();
+            plan.push(plan_axis(goal, at, robot, request)?);
+        }
+        if let Some(asked) = request.duration {
+            for planned in &mut plan {
+                let ticks = Ticks::from_seconds_ceil(asked)
+                    .filter(|ticks| *ticks <= LONGEST_MOVE)
+                    .ok_or(ClientError::TooLong { axis: planned.axis })?;
+                if ticks < planned.duration {
+                    return Err(ClientError::TooShort {
+                        axis: planned.axis,
+                        asked,
+                        shortest: planned.duration.seconds(),
+                    });
+                }
+                planned.duration = ticks;
+            }
+        } else if !request.independent {
+            let longest = plan.iter().map(|planned| planned.duration).max();
+            for planned in &mut plan {
+                planned.duration = longest.unwrap_or_default();
+            }
+        }
+        Ok(plan)
+    }
+}
+
+fn plan_axis(
+    goal: &Goal,
+    at: f64,
+    robot: &Robot,
+    request: &MoveRequest,
+) -> Result<Planned, ClientError> {
+    let axis = goal.axis;
+    let own = robot.limits(axis);
+    let limits = narrowed(axis, &own, &request.limits)?;
+    let radians = match goal.target {
+        Target::Absolute(radians) => radians,
+        Target::Relative(radians) => at + radians,
+    };
+    let outside = ClientError::OutsideTravel {
+        axis,
+        target: radians,
+        minimum: own.position_minimum().radians(),
+        maximum: own.position_maximum().radians(),
+    };
+    let Ok(target) = Position::from_radians(radians) else {
+        return Err(outside);
+    };
+    let target = own.snap(target, POSITION_STEP);
+    if !own.allow(target) {
+        return Err(outside);
+    }
+    let target = wire_position(target);
+    let from =
+        Position::from_radians(at).map_err(|source| ClientError::Quantity { axis, source })?;
+    let range = (target - from).abs() + RANGE_MARGIN;
+    let duration = match request.profile {
+        ProfileKind::Beta => Beta::shortest(range, &limits),
+        ProfileKind::Trapezoid => {
+            Trapezoid::shortest(range, &limits).map(|trapezoid| trapezoid.duration())
+        }
+    };
+    Ok(Planned {
+        axis,
+        target,
+        duration: duration.ok_or(ClientError::TooLong { axis })?,
+        limits,
+        range,
+    })
+}
+
+/// The axis's limits with those of one move, which must not be above them.
+fn narrowed(axis: AxisId, own: &Limits, wanted: &Overrides) -> Result<Limits, ClientError> {
+    let pick = |field: &'static str, own: f64, wanted: Option<f64>| match wanted {
+        // The last digits of a limit are lost in its counts: who asks for the limit gets it.
+        Some(value) if value > own * (1.0 + 1e-9) => Err(ClientError::AboveLimit {
+            axis,
+            field,
+            value,
+            limit: (own * 1e9).round() / 1e9,
+        }),
+        Some(value) => Ok(value),
+        None => Ok(own),
+    };
+    // Values that no axis could have are refused by name before they are compared.
+    Limits::new(&LimitValues {
+        velocity: wanted.velocity.unwrap_or(DEFAULT_VALUES.velocity),
+        acceleration: wanted.acceleration.unwrap_or(DEFAULT_VALUES.acceleration),
+        deceleration: wanted.deceleration.unwrap_or(DEFAULT_VALUES.deceleration),
+        jerk: wanted.jerk.unwrap_or(DEFAULT_VALUES.jerk),
+        ..DEFAULT_VALUES
+    })?;
+    let limits = LimitValues {
+        velocity: pick("--vmax", own.velocity().radians(), wanted.velocity)?,
+        acceleration: pick("--amax", own.acceleration().radians(), wanted.acceleration)?,
+        deceleration: pick("--dmax", own.deceleration().radians(), wanted.deceleration)?,
+        jerk: pick("--jmax", own.jerk().radians(), wanted.jerk)?,
+        ..DEFAULT_VALUES
+    };
+    Ok(Limits::new(&limits)?)
+}

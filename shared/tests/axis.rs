@@ -1,0 +1,19 @@
+//! The promise of `axis` and `node`: whatever frames arrive, in whatever order, lost, doubled or
+//! forged, the setpoints keep the limits and never jump; who is gone is noticed; nothing resumes
+//! motion by itself. Every tick of every test is held to the first part of it, see `bench`.
+
+/// Here so that the files lie in a folder of their own.
+mod axis {
+    mod bench;
+    mod clock;
+    mod commander;
+    mod drive;
+    mod host;
+    mod node_bench;
+    mod random;
+    mod sequence;
+    mod stop;
+    mod telemetry;
+    mod trapezoid;
+    mod trigger;
+}

@@ -1,0 +1,350 @@
+//! Whatever frames arrive: random commands, plausible and wild, doubled, out of order, and raw
+//! bytes, with a drive and a host that come and go. The bench holds every setpoint to the promise.
+
+use super::bench::{AXIS, Bench, OTHER, SESSION, frame, turns};
+use canter_shared::axis::Outcome;
+use canter_shared::axis::state::State;
+use canter_shared::drive::Condition;
+use canter_shared::drive::simulated::Simulated;
+use canter_shared::limits::{DEFAULT_VALUES, LimitValues, Limits};
+use canter_shared::motion::beta::Beta;
+use canter_shared::time::{Tick, Ticks};
+use canter_shared::units::Position;
+use canter_shared::wire::command::{Action, Command, ProfileKind, Session};
+use canter_shared::wire::frame::Frame;
+use canter_shared::wire::id::Address;
+use proptest::prelude::*;
+use std::f64::consts::TAU;
+
+/// How long a move is to last.
+#[derive(Debug, Clone, Copy)]
+enum Duration {
+    /// So many times the shortest.
+    Times(f64),
+    Ticks(u32),
+}
+
+/// Where a move is to end.
+#[derive(Debug, Clone, Copy)]
+enum Target {
+    /// A part of the travel, 0 to 1.
+    Inside(f64),
+    /// So many turns from here.
+    Near(f64),
+    Turns(f64),
+}
+
+#[derive(Debug, Clone)]
+enum Step {
+    Run(u64),
+    /// Clear, hold and enable as a good host would.
+    Recover,
+    Move {
+        profile: ProfileKind,
+        staged: bool,
+        target: Target,
+        duration: Duration,
+        ahead: u8,
+    },
+    /// The trigger of what was staged last.
+    Trigger {
+        session: Session,
+        ahead: i64,
+    },
+    Shape(u32, u32, u8),
+    Control(Action, Session, u8),
+    Stop(u8),
+    EmergencyStop,
+    Beat(Session),
+    Beats(bool),
+    /// A frame from before, counted from the last one.
+    Again(usize),
+    Raw(u16, Vec<u8>),
+    /// Any payload under the axis's own functions.
+    Forged(u16, [u8; 8]),
+    Drive(Option<Condition>),
+    Heard(bool),
+    ByHand(f64),
+}
+
+fn profile() -> impl Strategy<Value = ProfileKind> {
+    prop_oneof![Just(ProfileKind::Beta), Just(ProfileKind::Trapezoid)]
+}
+
+fn session() -> impl Strategy<Value = Session> {
+    prop_oneof![8 => Just(SESSION), 1 => Just(OTHER), 1 => any::<u16>()]
+}
+
+/// The next number mostly, sometimes any.
+fn ahead() -> impl Strategy<Value = u8> {
+    prop_oneof![12 => Just(1u8), 1 => any::<u8>()]
+}
+
+fn target() -> impl Strategy<Value = Target> {
+    prop_oneof![
+        5 => (0.0..=1.0f64).prop_map(Target::Inside),
+        2 => (-0.05..0.05f64).prop_map(Target::Near),
+        1 => (-1_023.0..1_023.0f64).prop_map(Target::Turns),
+    ]
+}
+
+fn duration() -> impl Strategy<Value = Duration> {
+    prop_oneof![
+        6 => (1.0..3.0f64).prop_map(Duration::Times),
+        1 => (0u32..1 << 22).prop_map(Duration::Ticks),
+        2 => (0u32..500).prop_map(Duration::Ticks),
+    ]
+}
+
+fn movement() -> impl Strategy<Value = Step> {
+    let staged = prop::bool::weighted(0.25);
+    (profile(), staged, target(), duration(), ahead()).prop_map(
+        |(profile, staged, target, duration, ahead)| Step::Move {
+            profile,
+            staged,
+            target,
+            duration,
+            ahead,
+        },
+    )
+}
+
+fn action() -> impl Strategy<Value = Action> {
+    prop::sample::select(Action::ALL.to_vec())
+}
+
+fn condition() -> impl Strategy<Value = Option<Condition>> {
+    prop_oneof![
+        4 => Just(None),
+        1 => Just(Some(Condition::Lost)),
+        1 => Just(Some(Condition::Disabled)),
+        1 => Just(Some(Condition::Enabled)),
+        1 => Just(Some(Condition::Faulted)),
+    ]
+}
+
+fn step() -> impl Strategy<Value = Step> {
+    prop_oneof![
+        10 => (1u64..60).prop_map(Step::Run),
+        1 => (60u64..400).prop_map(Step::Run),
+        3 => Just(Step::Recover),
+        14 => movement(),
+        4 => (session(), -5i64..60).prop_map(|(session, ahead)| Step::Trigger { session, ahead }),
+        1 => (session(), any::<i32>())
+            .prop_map(|(session, ahead)| Step::Trigger { session, ahead: ahead.into() }),
+        2 => (1u32..200, 1u32..200, ahead()).prop_map(|(a, d, n)| Step::Shape(a, d, n)),
+        2 => (action(), session(), ahead()).prop_map(|(a, s, n)| Step::Control(a, s, n)),
+        2 => any::<u8>().prop_map(Step::Stop),
+        1 => Just(Step::EmergencyStop),
+        1 => session().prop_map(Step::Beat),
+        1 => prop::bool::weighted(0.8).prop_map(Step::Beats),
+        4 => (0usize..12).prop_map(Step::Again),
+        1 => (0u16..1 << 11, prop::collection::vec(any::<u8>(), 0..=8))
+            .prop_map(|(id, data)| Step::Raw(id, data)),
+        2 => (0u16..32, any::<[u8; 8]>()).prop_map(|(id, data)| Step::Forged(id, data)),
+        1 => condition().prop_map(Step::Drive),
+        1 => prop::bool::weighted(0.9).prop_map(Step::Heard),
+        1 => (-20.0..20.0f64).prop_map(Step::ByHand),
+    ]
+}
+
+fn limits() -> impl Strategy<Value = Limits> {
+    let exponents = (-0.5..2.0f64, 0.5..3.5f64, 0.5..3.5f64, 0.0..3.5f64);
+    (exponents, -1.0..1.5f64, -5.0..5.0f64).prop_map(
+        |((velocity, acceleration, deceleration, jerk), travel, middle)| {
+            let power = |exponent: f64| 10f64.powf(exponent);
+            let (half, middle) = (power(travel) * TAU, middle * TAU);
+            Limits::new(&LimitValues {
+                velocity: power(velocity),
+                acceleration: power(acceleration),
+                deceleration: power(deceleration),
+                jerk: power(acceleration.max(deceleration) + jerk),
+                position_minimum: middle - half,
+                position_maximum: middle + half,
+                ..DEFAULT_VALUES
+            })
+            .expect("in range")
+        },
+    )
+}
+
+/// A bench and the frames that it was sent.
+struct Run {
+    bench: Bench,
+    frames: Vec<Frame>,
+    group: u8,
+    /// Ticks in motion: a test that never moves proves nothing.
+    moved: u64,
+}
+
+impl Run {
+    fn send(&mut self, command: Command) {
+        let frame = frame(command);
+        self.frames.push(frame);
+        let _: Outcome = self.bench.handle(&frame);
+    }
+
+    fn number(&mut self, ahead: u8) -> u8 {
+        self.bench.sequence = self.bench.sequence.wrapping_add(ahead);
+        self.bench.sequence
+    }
+
+    fn control(&mut self, action: Action, session: Session, ahead: u8) {
+        let sequence = self.number(ahead);
+        self.send(Command::Control {
+            action,
+            sequence,
+            session,
+        });
+    }
+
+    fn run(&mut self, ticks: u64) {
+        for _ in 0..ticks {
+            self.bench.step();
+            self.moved += u64::from(self.bench.velocity() != 0.0);
+        }
+    }
+
+    fn target(&self, target: Target) -> Position {
+        let limits = self.bench.axis.limits();
+        let wanted = match target {
+            Target::Inside(part) => {
+                let (from, to) = (limits.position_minimum(), limits.position_maximum());
+                let length = (to - from).counts() as f64;
+                from + Position::from_counts((length * part) as i64)
+            }
+            Target::Near(difference) => self.bench.setpoint.position + turns(difference),
+            Target::Turns(place) => turns(place),
+        };
+        wanted.max(turns(-1_023.9)).min(turns(1_023.9))
+    }
+
+    fn duration(&self, duration: Duration, target: Position) -> Ticks {
+        match duration {
+            Duration::Ticks(ticks) => Ticks(ticks),
+            Duration::Times(times) => {
+                let range = target - self.bench.setpoint.position;
+                let shortest = Beta::shortest(range, self.bench.axis.limits());
+                let ticks = shortest.map_or(1.0, |shortest| f64::from(shortest.0));
+                Ticks(((ticks * times) as u32).min((1 << 22) - 1))
+            }
+        }
+    }
+
+    fn take(&mut self, step: Step) {
+        match step {
+            Step::Run(ticks) => self.run(ticks),
+            Step::Recover => {
+                self.bench.condition = None;
+                self.bench.heard = true;
+                self.bench.beats = true;
+                for action in [Action::Hold, Action::Clear, Action::Enable] {
+                    self.control(action, SESSION, 1);
+                    self.run(3);
+                }
+            }
+            Step::Move {
+                profile,
+                staged,
+                target,
+                duration,
+                ahead,
+            } => {
+                let target = self.target(target);
+                let duration = self.duration(duration, target);
+                let sequence = self.number(ahead);
+                if staged {
+                    self.group = sequence;
+                }
+                self.send(Command::Move {
+                    profile,
+                    staged,
+                    target,
+                    duration,
+                    sequence,
+                });
+            }
+            Step::Trigger { session, ahead } => self.send(Command::Trigger {
+                group: self.group,
+                session,
+                start: Tick(self.bench.tick.saturating_add_signed(ahead)),
+            }),
+            Step::Shape(acceleration, deceleration, ahead) => {
+                let sequence = self.number(ahead);
+                self.send(Command::TrapezoidShape {
+                    acceleration: Ticks(acceleration),
+                    deceleration: Ticks(deceleration),
+                    sequence,
+                });
+            }
+            Step::Control(action, session, ahead) => self.control(action, session, ahead),
+            Step::Stop(sequence) => self.send(Command::Stop { sequence }),
+            Step::EmergencyStop => self.send(Command::EmergencyStop),
+            Step::Beat(session) => self.send(Command::HostHeartbeat { session }),
+            Step::Beats(beats) => self.bench.beats = beats,
+            Step::Again(back) => {
+                let frame = self.frames.iter().rev().nth(back).copied();
+                if let Some(frame) = frame {
+                    let _: Outcome = self.bench.handle(&frame);
+                }
+            }
+            Step::Raw(id, data) => {
+                let frame = Frame::new(id, &data).expect("a frame");
+                let _: Outcome = self.bench.handle(&frame);
+            }
+            Step::Forged(function, data) => {
+                let axis = u16::from(AXIS.get());
+                for length in [2, 4, 8] {
+                    let id = function << 6 | axis;
+                    let frame = Frame::new(id, &data[..length]).expect("a frame");
+                    let _: Outcome = self.bench.handle(&frame);
+                }
+            }
+            Step::Drive(condition) => self.bench.condition = condition,
+            Step::Heard(heard) => self.bench.heard = heard,
+            Step::ByHand(place) => {
+                if !self.bench.axis.state().drives() {
+                    self.bench.drive = Simulated::new(turns(place));
+                }
+            }
+        }
+    }
+}
+
+fn run(limits: Limits, place: f64, steps: Vec<Step>) -> Run {
+    let mut run = Run {
+        bench: Bench::new(limits, place),
+        frames: Vec::new(),
+        group: 0,
+        moved: 0,
+    };
+    run.run(5);
+    run.take(Step::Recover);
+    for step in steps {
+        run.take(step);
+    }
+    // In the end an emergency stop brings everything to rest, and nothing moves again.
+    let stop = Command::EmergencyStop.encode(Address::All).expect("fits");
+    let _: Outcome = run.bench.handle(&stop);
+    let mut left = 200_000;
+    while run.bench.axis.state() != State::Fault && left > 0 {
+        run.bench.step();
+        left -= 1;
+    }
+    assert_eq!(run.bench.axis.state(), State::Fault);
+    run.bench.stays(100);
+    run
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(1_000))]
+
+    #[test]
+    fn no_frames_make_a_setpoint_leave_its_limits(
+        limits in limits(),
+        place in -20.0..20.0f64,
+        steps in prop::collection::vec(step(), 1..60),
+    ) {
+        run(limits, place, steps);
+    }
+}
