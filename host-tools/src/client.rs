@@ -21,7 +21,7 @@ mod plan;
 mod power;
 
 pub use error::ClientError;
-pub use known::{Counters, KnownAxis, KnownNode};
+pub use known::{KnownAxis, KnownNode};
 pub use movement::{Arrival, Goal, MoveRequest, Progress, Target};
 pub use plan::Overrides;
 

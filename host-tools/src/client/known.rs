@@ -1,5 +1,6 @@
 //! What is known of axes and nodes from what they report.
 
+use canter_shared::axis::Counters;
 use canter_shared::axis::fault::Fault;
 use canter_shared::axis::state::State;
 use canter_shared::time::BusTime;
@@ -9,19 +10,6 @@ use canter_shared::wire::command::Session;
 use canter_shared::wire::id::{AxisId, Function};
 use canter_shared::wire::reason::Reason;
 use canter_shared::wire::report::{Board, IdentityPart, Report};
-
-/// The counters of an axis's heartbeat, which wrap at 256.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Counters {
-    /// Times that the node was off the bus.
-    pub bus_off: u8,
-    /// Error frames seen.
-    pub error_frames: u8,
-    /// Receptions lost.
-    pub lost: u8,
-    /// Commands rejected.
-    pub rejected: u8,
-}
 
 /// An answer that an axis gave.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

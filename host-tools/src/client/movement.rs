@@ -24,8 +24,12 @@ const LEAD: u64 = 100 * MILLISECOND;
 /// Between the repetitions of the trigger.
 const TRIGGER_PERIOD: u64 = 10 * MILLISECOND;
 
-/// How much longer than planned a move may take until it counts as lost: its last feedback.
+/// How much later than planned a move may end until it counts as lost, besides twice its duration:
+/// a node whose clock cannot keep up, an emulated one say, is slow but not wrong.
 const GRACE: u64 = 1_000 * MILLISECOND;
+
+/// Silence after which an axis counts as lost: its feedback comes every 20 ms.
+const SILENCE: u64 = 500 * MILLISECOND;
 
 /// How long drives may take to settle at their targets before their positions are told as they are.
 const SETTLE: u64 = 200 * MILLISECOND;
@@ -211,7 +215,8 @@ impl<B: Bus> Client<B> {
             .max()
             .unwrap_or_default();
         let end = start.after(longest).time();
-        let deadline = after(end, GRACE);
+        let slack = 2 * u64::from(longest.0) * MILLISECOND;
+        let deadline = after(end, GRACE + slack);
         loop {
             let now = self.bus.now();
             progress(Progress {
@@ -245,11 +250,16 @@ impl<B: Bus> Client<B> {
 
     /// A fault or a refused trigger on any axis of the move.
     fn look_for_trouble(&self, plan: &[Planned], group: u8) -> Result<(), ClientError> {
+        let now = self.bus.now();
         for planned in plan {
             let axis = planned.axis;
             let Some(known) = self.axes.get(&axis) else {
                 continue;
             };
+            if now > after(known.heard, SILENCE) {
+                let bus = self.bus.description();
+                return Err(ClientError::NoAnswer { axis, bus });
+            }
             if let Some(fault) = known.fault {
                 return Err(ClientError::Faulted { axis, fault });
             }

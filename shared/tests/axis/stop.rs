@@ -127,6 +127,32 @@ fn an_emergency_stop_on_the_way_to_the_end_of_the_travel_begins_at_once() {
     );
 }
 
+/// A ramp of many ticks, and a deceleration limit below that of acceleration: the velocity still
+/// rises while the acceleration is taken back, and a second stop plans that rise anew.
+#[test]
+fn a_stop_in_a_stop_while_speeding_up_keeps_the_velocity_limit() {
+    let limits = Limits::new(&LimitValues {
+        velocity: 0.5808,
+        acceleration: 9.4498,
+        deceleration: 3.1622,
+        jerk: 9.4498,
+        ..DEFAULT_VALUES
+    })
+    .expect("in range");
+    for first in [3, 9, 15, 30, 60] {
+        for second in 0..100 {
+            let mut bench = Bench::enabled(limits, 0.0);
+            assert_eq!(bench.go_trapezoid(1.0, 12_000), Outcome::Accepted);
+            bench.run(first);
+            assert_eq!(bench.send(Command::Stop { sequence: 0 }), Outcome::Accepted);
+            bench.run(second);
+            // The bench sees the velocity at each tick.
+            assert_eq!(bench.send(Command::Stop { sequence: 0 }), Outcome::Accepted);
+            bench.ticks_to_rest(2_000);
+        }
+    }
+}
+
 #[test]
 fn stops_in_a_flood_do_not_put_off_the_rest() {
     let mut bench = Bench::enabled(Limits::default(), 0.0);

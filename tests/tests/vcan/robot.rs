@@ -7,9 +7,10 @@ use canter_shared::wire::frame::Frame;
 use canter_shared::wire::id::{Address, AxisId};
 use canter_shared::wire::report::Report;
 use canter_tests::PATIENCE;
+use canter_tests::candump::cansend;
 use canter_tests::process::{Finished, Process};
 use canter_tests::trace::Trace;
-use socketcan::{CanFrame, CanSocket, EmbeddedFrame, Frame as _, Socket, StandardId};
+use socketcan::{CanSocket, EmbeddedFrame, Frame as _, Socket};
 use std::path::PathBuf;
 use std::process::Command;
 use std::time::{Duration, Instant};
@@ -104,6 +105,7 @@ fn next_report(socket: &CanSocket, limit: Duration) -> Option<(AxisId, Report)> 
 
 /// A commander made by hand, frame by frame: for what no `canter` command does.
 pub struct ByHand {
+    bus: &'static str,
     socket: CanSocket,
     session: u16,
     sequence: u8,
@@ -111,20 +113,24 @@ pub struct ByHand {
 
 impl ByHand {
     /// Opens `bus`.
-    pub fn new(bus: &str) -> Self {
+    pub fn new(bus: &'static str) -> Self {
         Self {
+            bus,
             socket: CanSocket::open(bus).expect("the bus is up"),
             session: 0x0BAD,
             sequence: 0,
         }
     }
 
-    /// Sends a command.
+    /// Sends a command, with can-utils' own cansend.
     pub fn send(&mut self, address: Address, word: Word) {
         let frame = word.encode(address).expect("the values fit");
-        let id = StandardId::new(frame.id()).expect("11 bits");
-        let frame = CanFrame::new(id, frame.data()).expect("8 bytes");
-        socketcan::Socket::write_frame(&self.socket, &frame).expect("the bus takes it");
+        let hex: String = frame
+            .data()
+            .iter()
+            .map(|byte| format!("{byte:02X}"))
+            .collect();
+        cansend(self.bus, &format!("{:03X}#{hex}", frame.id()));
     }
 
     /// Takes and enables `axis`.
