@@ -9,6 +9,7 @@
 //! | `known` | what is known of each axis from its reports |
 //! | `link` | waiting, the beacon, questions and answers |
 //! | `power` | hold, enable, disable, clear, stop |
+//! | `request` | what can be asked for |
 //! | `plan` | each axis's part of a move, checked before anything is sent |
 //! | `movement` | synchronised moves |
 //! | `error` | what can go wrong |
@@ -19,11 +20,12 @@ mod link;
 mod movement;
 mod plan;
 mod power;
+mod request;
 
 pub use error::ClientError;
 pub use known::{KnownAxis, KnownNode};
-pub use movement::{Arrival, Goal, MoveRequest, Progress, Target};
-pub use plan::Overrides;
+pub use movement::{Arrival, Progress};
+pub use request::{Goal, MoveRequest, Overrides, Target};
 
 use crate::bus::Bus;
 use canter_shared::time::BusTime;

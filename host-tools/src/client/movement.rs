@@ -5,7 +5,8 @@
 //! refuses moves nothing.
 
 use super::link::{MILLISECOND, Reply, after};
-use super::plan::{Overrides, Planned};
+use super::plan::Planned;
+use super::request::MoveRequest;
 use super::{Client, ClientError};
 use crate::bus::Bus;
 use crate::robot::Robot;
@@ -33,39 +34,6 @@ const SILENCE: u64 = 500 * MILLISECOND;
 
 /// How long drives may take to settle at their targets before their positions are told as they are.
 const SETTLE: u64 = 200 * MILLISECOND;
-
-/// Where an axis is to go.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Target {
-    /// To this angle, in rad.
-    Absolute(f64),
-    /// By this angle from where it is, in rad.
-    Relative(f64),
-}
-
-/// One axis's part of a move.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Goal {
-    /// Which axis.
-    pub axis: AxisId,
-    /// Where to.
-    pub target: Target,
-}
-
-/// A move of several axes.
-#[derive(Debug, Clone, PartialEq)]
-pub struct MoveRequest {
-    /// Which axes go where.
-    pub goals: Vec<Goal>,
-    /// Along which profile.
-    pub profile: ProfileKind,
-    /// A duration in seconds for all; as quick as the limits allow where there is none.
-    pub duration: Option<f64>,
-    /// Limits of this move.
-    pub limits: Overrides,
-    /// Each axis as quick as it can be, instead of all arriving together.
-    pub independent: bool,
-}
 
 /// How a move came out for one axis.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,6 +1,6 @@
 //! From a request to each axis's target, limits and duration, before anything is sent.
 
-use super::movement::{Goal, MoveRequest, Target};
+use super::request::{Goal, MoveRequest, Overrides, Target};
 use super::{Client, ClientError};
 use crate::bus::Bus;
 use crate::robot::Robot;
@@ -17,19 +17,6 @@ use canter_shared::wire::layout::POSITION_STEP;
 /// How far from the planned range the axis's own may be: what the wire rounds off the position
 /// it reported and off the target, twice each.
 const RANGE_MARGIN: Position = Position::from_counts(4 * POSITION_STEP.counts());
-
-/// Limits of one move, each at most the axis's own; in rad and seconds.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Overrides {
-    /// The largest velocity.
-    pub velocity: Option<f64>,
-    /// The largest acceleration.
-    pub acceleration: Option<f64>,
-    /// The largest deceleration.
-    pub deceleration: Option<f64>,
-    /// The largest jerk.
-    pub jerk: Option<f64>,
-}
 
 /// What one axis is going to be asked for.
 pub(super) struct Planned {

@@ -303,7 +303,8 @@ impl Run {
             Step::Drive(condition) => self.bench.condition = condition,
             Step::Heard(heard) => self.bench.heard = heard,
             Step::ByHand(place) => {
-                if !self.bench.axis.state().drives() {
+                // A drive that holds its place is not moved.
+                if !self.bench.command.enable {
                     self.bench.drive = Simulated::new(turns(place));
                 }
             }

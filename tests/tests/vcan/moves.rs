@@ -147,10 +147,7 @@ fn a_retarget_in_mid_move_does_not_jump() {
     let mut hand = ByHand::new(robot.bus);
     let one = axis(1);
     hand.hold_and_enable(one);
-    hand.beat_until("enabled axis", one, |report| match report {
-        Report::Feedback { state, .. } => *state == u8::from(State::OperationEnabled),
-        _ => false,
-    });
+    hand.beat_until("enabled axis", one, is_enabled);
     // Tight moves that meet each other in one part after the other, there and back.
     for (round, target) in [2.0, -1.0, 3.0, 0.5, -2.0, 2.5].into_iter().enumerate() {
         let duration = Ticks(400 + 40 * round as u32);
@@ -163,12 +160,46 @@ fn a_retarget_in_mid_move_does_not_jump() {
             left -= 1;
         }
     }
-    hand.beat_until("rest", one, |report| {
-        matches!(report, Report::Feedback { moving: false, .. })
-    });
+    hand.beat_until("rest", one, rests);
     let trace = robot.finish();
     trace.keeps(&Limits::default(), 2.0 * JERK);
     let last = trace.axis(1).last().expect("rows");
     assert!((last.position - 2.5).abs() <= 0.5e-6, "{last:?}");
     assert_eq!(trace.stretches(1).len(), 1, "the retargets came too late");
+}
+
+#[test]
+fn cansend_alone_moves_an_axis() {
+    let robot = Robot::start("vcan2");
+    let mut hand = ByHand::with_cansend(robot.bus);
+    let two = axis(2);
+    hand.hold_and_enable(two);
+    hand.beat_until("enabled axis", two, is_enabled);
+    hand.move_to(two, -1.0, Ticks(1_000));
+    let moves = |report: &Report| matches!(report, Report::Feedback { moving: true, .. });
+    hand.beat_until("motion", two, moves);
+    hand.beat_until("rest", two, rests);
+    let trace = robot.finish();
+    trace.keeps(&Limits::default(), JERK);
+    let [stretch] = trace.stretches(2)[..] else {
+        panic!("it did not move once");
+    };
+    let fit = stretch.fit(1_000);
+    assert!(fit.error <= 2e-6, "{fit:?}");
+    assert!(
+        (stretch.ends().1 + 1.0).abs() <= 0.5e-6,
+        "{:?}",
+        stretch.ends()
+    );
+}
+
+fn is_enabled(report: &Report) -> bool {
+    match report {
+        Report::Feedback { state, .. } => *state == u8::from(State::OperationEnabled),
+        _ => false,
+    }
+}
+
+fn rests(report: &Report) -> bool {
+    matches!(report, Report::Feedback { moving: false, .. })
 }

@@ -10,7 +10,7 @@ use canter_tests::PATIENCE;
 use canter_tests::candump::cansend;
 use canter_tests::process::{Finished, Process};
 use canter_tests::trace::Trace;
-use socketcan::{CanSocket, EmbeddedFrame, Frame as _, Socket};
+use socketcan::{CanFrame, CanSocket, EmbeddedFrame, Frame as _, Socket, StandardId};
 use std::path::PathBuf;
 use std::process::Command;
 use std::time::{Duration, Instant};
@@ -106,6 +106,7 @@ fn next_report(socket: &CanSocket, limit: Duration) -> Option<(AxisId, Report)> 
 /// A commander made by hand, frame by frame: for what no `canter` command does.
 pub struct ByHand {
     bus: &'static str,
+    cansend: bool,
     socket: CanSocket,
     session: u16,
     sequence: u8,
@@ -116,21 +117,36 @@ impl ByHand {
     pub fn new(bus: &'static str) -> Self {
         Self {
             bus,
+            cansend: false,
             socket: CanSocket::open(bus).expect("the bus is up"),
             session: 0x0BAD,
             sequence: 0,
         }
     }
 
-    /// Sends a command, with can-utils' own cansend.
+    /// The same, with can-utils' own cansend for every frame; a process for each takes its time.
+    pub fn with_cansend(bus: &'static str) -> Self {
+        Self {
+            cansend: true,
+            ..Self::new(bus)
+        }
+    }
+
+    /// Sends a command.
     pub fn send(&mut self, address: Address, word: Word) {
         let frame = word.encode(address).expect("the values fit");
-        let hex: String = frame
-            .data()
-            .iter()
-            .map(|byte| format!("{byte:02X}"))
-            .collect();
-        cansend(self.bus, &format!("{:03X}#{hex}", frame.id()));
+        if self.cansend {
+            let hex: String = frame
+                .data()
+                .iter()
+                .map(|byte| format!("{byte:02X}"))
+                .collect();
+            cansend(self.bus, &format!("{:03X}#{hex}", frame.id()));
+            return;
+        }
+        let id = StandardId::new(frame.id()).expect("11 bits");
+        let frame = CanFrame::new(id, frame.data()).expect("8 bytes");
+        self.socket.write_frame(&frame).expect("the bus takes it");
     }
 
     /// Takes and enables `axis`.
