@@ -372,18 +372,34 @@ impl Motion {
             return now;
         };
         let state = self.at(now);
+        // A trapezoid takes no notice of the jerk limit at its corners, and a stop that gave its
+        // acceleration back slowly would speed up on and on: it ends here, as at a corner.
+        let speeds_up = self
+            .phases
+            .iter()
+            .any(|phase| phase.start() <= now && now < phase.end() && phase.speeds_up());
+        let acceleration = if speeds_up {
+            Acceleration::ZERO
+        } else {
+            state.acceleration
+        };
         let entry = Entry {
             tick: now,
             position: state.position.counts(),
             velocity: state.velocity.counts() as f64,
-            acceleration: state.acceleration.counts() as f64,
+            acceleration: acceleration.counts() as f64,
         };
-        match stop::plan(entry, limits) {
-            Some(stop)
-                if stop.rest.tick < end
-                    && outside(Position::from_counts(stop.rest.position), limits)
-                        <= outside(state.position, limits) =>
-            {
+        let stop = HARDER.into_iter().find_map(|times| {
+            let stop = stop::plan(entry, limits, times)?;
+            let place = Position::from_counts(stop.rest.position);
+            // From outside the travel, the way back in belongs to it.
+            let least = limits.position_minimum().min(state.position);
+            let greatest = limits.position_maximum().max(state.position);
+            let inside = (least..=greatest).contains(&place);
+            (stop.rest.tick < end && inside).then_some(stop)
+        });
+        match stop {
+            Some(stop) => {
                 self.betas.clear();
                 self.phases.clear();
                 // Three phases in room for six: there is no error to look at.
@@ -391,14 +407,10 @@ impl Motion {
                 self.rest = stop.rest.position;
                 stop.rest.tick
             }
-            _ => end,
+            None => end,
         }
     }
 }
 
-/// How far a position is outside the travel; zero inside.
-fn outside(position: Position, limits: &Limits) -> Position {
-    let below = limits.position_minimum() - position;
-    let above = position - limits.position_maximum();
-    below.max(above).max(Position::ZERO)
-}
+/// Multiples of the jerk limit that a stop is tried with: the travel goes before the jerk.
+const HARDER: [f64; 5] = [1.0, 4.0, 16.0, 256.0, 65_536.0];

@@ -178,10 +178,17 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
     }
 
     fn synchronise(&mut self, now: LocalTime, sent: BusTime) {
+        let due = self.next_tick();
         let at_rest = self.slots.iter().all(|slot| !slot.axis.is_moving());
         if self.clock.synchronise(now, sent, at_rest) == Discipline::Stepped && self.next.is_some()
         {
             let next = self.clock.bus_time(now).next_tick();
+            // However often the clock is set, the tick comes no later than it would have.
+            let next = if self.clock.local_time(next.time()) > due {
+                Tick(next.0.saturating_sub(1))
+            } else {
+                next
+            };
             self.next = Some(next);
             for slot in &mut self.slots {
                 slot.axis.rebase(Tick(next.0.saturating_sub(1)));

@@ -42,7 +42,13 @@ impl Watch {
         let fastest = limits.velocity().radians();
         let strongest = limits.acceleration().max(limits.deceleration()).radians();
         prop_assert!(now.velocity.abs() <= limits.velocity(), "{now:?}");
-        prop_assert!(now.acceleration.abs().radians() <= strongest, "{now:?}");
+        let slowing = now.velocity.counts().signum() == -now.acceleration.counts().signum();
+        let limit = if slowing {
+            limits.deceleration()
+        } else {
+            limits.acceleration()
+        };
+        prop_assert!(now.acceleration.abs() <= limit, "{now:?}");
         prop_assert!(limits.allow(now.position), "{now:?}");
         let moved = (now.position - last.position).radians();
         prop_assert!(moved.abs() <= fastest * 1e-3 + 1e-8, "moved {moved}");

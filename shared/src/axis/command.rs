@@ -225,10 +225,11 @@ impl Axis {
                     return Err((Reason::FaultLatched, fault.into()));
                 }
                 _ if !self.drive_is_ready() => return Err((Reason::DriveNotReady, 0)),
-                State::NotReadyToSwitchOn => return Err((Reason::DriveNotReady, 0)),
                 _ if self.request == Some(Request::Disable) => return Err((Reason::Moving, 0)),
                 State::QuickStopActive => return Err((Reason::Moving, 0)),
-                State::SwitchOnDisabled => self.request = Some(Request::Enable),
+                State::NotReadyToSwitchOn | State::SwitchOnDisabled => {
+                    self.request = Some(Request::Enable);
+                }
                 State::ReadyToSwitchOn | State::SwitchedOn | State::OperationEnabled => {}
             },
             Action::Disable => match self.state {

@@ -31,8 +31,12 @@ impl Commander {
     ) -> Result<bool, Session> {
         match self.session {
             Some(holder) if holder != session => Err(holder),
-            Some(_) if sequence == self.held_with => Ok(false),
-            _ => {
+            // As any other command of its: an old hold must not make old numbers new either.
+            Some(_) => {
+                let ahead = self.advance(sequence).is_ok();
+                Ok(ahead)
+            }
+            None => {
                 self.session = Some(session);
                 self.heard = now;
                 self.sequence = sequence;
@@ -54,7 +58,7 @@ impl Commander {
 
     /// Whether the session has been silent for longer than `timeout`.
     pub(super) fn is_silent(&self, now: Tick, timeout: Ticks) -> bool {
-        self.session.is_some() && now.since(self.heard) > timeout
+        self.session.is_some() && now.0.wrapping_sub(self.heard.0) as i64 > i64::from(timeout.0)
     }
 
     /// Takes the next command's number, or gives the last one where this is not ahead of it.
@@ -70,6 +74,7 @@ impl Commander {
 
     /// Follows a step of the bus clock by `ticks`: silence goes on being counted.
     pub(super) fn rebase(&mut self, ticks: i64) {
-        self.heard = Tick(self.heard.0.saturating_add_signed(ticks));
+        // Before the beginning of bus time where that is nearer than the last word.
+        self.heard = Tick(self.heard.0.wrapping_add_signed(ticks));
     }
 }

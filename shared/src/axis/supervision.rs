@@ -46,6 +46,8 @@ impl Axis {
         self.commander.release();
         self.forget_moves();
         self.last_command = None;
+        // What it asked for last, nobody wants any more.
+        self.request = None;
     }
 
     /// Forgets what was prepared for later.

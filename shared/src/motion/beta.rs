@@ -57,6 +57,9 @@ const ACCELERATION_SHAPE: u64 = 3_550_077_552_209_447_936;
 /// positions is below 2^44 counts, so 19 bits would still fit an i64.
 const RANGE_BITS: u32 = 18;
 
+/// The largest range in counts, 4096 turns: twice what a command can span.
+const LARGEST_RANGE: u64 = 1 << 44;
+
 /// One beta move, rest to rest, in integers: a difference of position laid over a base.
 ///
 /// The position's error against the exact curve is below 1e-12 of the range, and the last tick is
@@ -114,6 +117,9 @@ impl Beta {
     ///
     /// The curve is symmetric, so the lesser of acceleration and deceleration counts.
     pub fn shortest(range: Position, limits: &Limits) -> Option<Ticks> {
+        if range.counts().unsigned_abs() > LARGEST_RANGE {
+            return None;
+        }
         let magnitude = range.abs().counts() as f64;
         let slowest = limits.slower_acceleration().counts() as f64;
         let by_velocity = PEAK_VELOCITY * magnitude / limits.velocity().counts() as f64;
@@ -133,7 +139,8 @@ impl Beta {
 
     /// Whether the move keeps the velocity, acceleration and deceleration limits.
     pub fn keeps(&self, limits: &Limits) -> bool {
-        self.peak_velocity() <= limits.velocity()
+        self.range.unsigned_abs() <= LARGEST_RANGE
+            && self.peak_velocity() <= limits.velocity()
             && self.peak_acceleration() <= limits.slower_acceleration()
     }
 

@@ -119,6 +119,13 @@ impl Phase {
         self.departs
     }
 
+    /// Whether the phase speeds up evenly, which only a trapezoid does.
+    pub(crate) fn speeds_up(&self) -> bool {
+        let ([start, ramp], [velocity, _, _]) = (self.acceleration, self.velocity);
+        // At its beginning a trapezoid has no velocity yet.
+        ramp == 0 && start != 0 && velocity.signum() * start.signum() >= 0
+    }
+
     /// The tick at which the phase begins.
     pub(crate) fn start(&self) -> Tick {
         self.start

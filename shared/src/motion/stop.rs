@@ -43,8 +43,9 @@ fn ticks(duration: f64) -> f64 {
     libm::ceil(duration).max(1.0)
 }
 
-/// Plans the stop from `entry`; `None` where it is longer than a move may be.
-pub(crate) fn plan(entry: Entry, limits: &Limits) -> Option<Stop> {
+/// Plans the stop from `entry` with a multiple of the jerk limit; `None` where it is longer than a
+/// move may be.
+pub(crate) fn plan(entry: Entry, limits: &Limits, times: f64) -> Option<Stop> {
     let rate = TICKS_PER_SECOND as f64;
     // Everything in counts/s and ticks, mirrored so that the velocity is not negative.
     let mirror = if entry.velocity < 0.0 { -1.0 } else { 1.0 };
@@ -52,7 +53,7 @@ pub(crate) fn plan(entry: Entry, limits: &Limits) -> Option<Stop> {
     let acceleration = entry.acceleration * mirror / rate;
     let limit = (limits.deceleration().counts() as f64 - ROUNDING_MARGIN) / rate;
     let fastest = limits.velocity().counts() as f64 - ROUNDING_MARGIN;
-    let mut jerk = limits.jerk().counts() as f64 / (rate * rate);
+    let mut jerk = times * limits.jerk().counts() as f64 / (rate * rate);
     if acceleration < 0.0 && velocity > 0.0 {
         // Braking harder than this jerk can release before standstill: release faster instead.
         jerk = jerk.max(acceleration * acceleration / (2.0 * velocity));
@@ -70,16 +71,19 @@ pub(crate) fn plan(entry: Entry, limits: &Limits) -> Option<Stop> {
     }
     // While it still accelerates, the velocity rises by a^2 / (2 j): the velocity limit goes
     // before the jerk limit, so a shorter ramp where the rise would pass it.
-    while durations.ramp > 1.0 && acceleration > 0.0 {
+    let held = durations.hold;
+    loop {
+        // Rounding up may have asked for more than the limit: hold for longer.
+        while solve(velocity, acceleration, durations) > limit {
+            durations.hold += 1.0;
+        }
         let slope = (acceleration + solve(velocity, acceleration, durations)) / durations.ramp;
-        if velocity + acceleration * acceleration / (2.0 * slope) <= fastest {
+        let keeps = velocity + acceleration * acceleration / (2.0 * slope) <= fastest;
+        if durations.ramp <= 1.0 || acceleration <= 0.0 || keeps {
             break;
         }
         durations.ramp -= 1.0;
-    }
-    // Rounding up may have asked for more than the limit: hold for longer.
-    while solve(velocity, acceleration, durations) > limit {
-        durations.hold += 1.0;
+        durations.hold = held;
     }
     let deceleration = -solve(velocity, acceleration, durations) * rate * mirror;
     let mut phases = Vec::new();

@@ -37,6 +37,9 @@ const SHORTEST_STRETCH: u64 = 25_000;
 /// The longest stretch: over 8 s a crystal's own rate may change with its temperature.
 const LONGEST_STRETCH: u64 = 8_000_000;
 
+/// Windows in a row that cannot all have come late: then it is the clock that is wrong.
+const DOUBTS: u8 = 8;
+
 /// What a SYNC did to the clock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Discipline {
@@ -55,7 +58,7 @@ pub enum Discipline {
 struct Sample {
     received: LocalTime,
     sent: BusTime,
-    /// Bus time minus the clock's estimate, in microseconds.
+    /// Bus time minus the clock's estimate without its slew, in microseconds.
     error: i64,
 }
 
@@ -66,8 +69,12 @@ pub struct BusClock {
     bus: BusTime,
     /// How much faster than the local clock the bus runs, in units of 2^-32.
     rate: i64,
+    /// What is still to be made up for, at one microsecond in each [`DRIFT`].
+    slew: i64,
     synchronised: bool,
     samples: u8,
+    /// Windows in a row whose best SYNC was not believed.
+    doubts: u8,
     /// The least delayed SYNC of the window, and when the window began.
     best: Option<Sample>,
     window_start: LocalTime,
@@ -89,8 +96,10 @@ impl BusClock {
             local: LocalTime(0),
             bus: BusTime(0),
             rate: 0,
+            slew: 0,
             synchronised: false,
             samples: 0,
+            doubts: 0,
             best: None,
             window_start: LocalTime(0),
             anchor: None,
@@ -113,14 +122,21 @@ impl BusClock {
     /// The least local time at which [`Self::bus_time`] shows at least `bus`, give or take 1 us.
     pub fn local_time(&self, bus: BusTime) -> LocalTime {
         let elapsed = bus.0.wrapping_sub(self.bus.0) as i64;
-        let corrected = elapsed.saturating_sub(self.correction(elapsed));
+        // The correction belongs to the local time; the first guess of that is off by a 1000th.
+        let guess = elapsed.saturating_sub(self.correction(elapsed));
+        let corrected = elapsed.saturating_sub(self.correction(guess));
         LocalTime(self.local.0.saturating_add_signed(corrected))
     }
 
     fn correction(&self, elapsed: i64) -> i64 {
         // The rate is below 2^22 and the time since the last SYNC below 2^41 us, 25 days.
         let bounded = elapsed.clamp(-(1 << 41), 1 << 41);
-        (bounded * self.rate) >> 32
+        ((bounded * self.rate) >> 32) + self.made_up(bounded)
+    }
+
+    /// How much of the slew is done after some time.
+    fn made_up(&self, elapsed: i64) -> i64 {
+        (elapsed / DRIFT).clamp(0, self.slew.abs()) * self.slew.signum()
     }
 
     /// Takes a SYNC that was sent at `sent` and arrived at `received`; `may_step` says that
@@ -141,48 +157,71 @@ impl BusClock {
             self.local = received;
             self.bus = sent;
             self.rate = 0;
+            self.slew = 0;
             self.anchor = None;
             self.next_anchor = None;
             self.begin_window(received);
             return Discipline::Stepped;
         }
+        let elapsed = received.since(self.local) as i64;
         let sample = Sample {
             received,
             sent,
-            error,
+            error: error.saturating_add(self.made_up(elapsed)),
         };
         let best = match self.best {
-            Some(best) if best.error >= error => best,
+            Some(best) if best.error >= sample.error => best,
             _ => sample,
         };
         self.best = Some(best);
-        self.samples += 1;
-        if self.samples < WINDOW {
+        self.samples = self.samples.saturating_add(1);
+        // A window that is too short to know anything from grows: its rounding would count.
+        if self.samples < WINDOW || received.since(self.window_start) < SHORTEST_STRETCH {
             return Discipline::Sampled;
         }
-        self.correct(received, best, may_step);
+        let discipline = self.correct(received, best, may_step);
         self.begin_window(received);
-        Discipline::Corrected
+        discipline
     }
 
     /// Corrects offset and rate at the end of a window with its best sample.
-    fn correct(&mut self, now: LocalTime, best: Sample, may_step: bool) {
+    ///
+    /// The offset is not set but made up for slowly: ticks follow the clock, and the speed of
+    /// axes follows the ticks.
+    fn correct(&mut self, now: LocalTime, best: Sample, may_step: bool) -> Discipline {
         let length = now.since(self.window_start).max(MICROSECONDS_PER_TICK) as i64;
         let drift = length / DRIFT;
         let bound = drift + JITTER;
-        let offset = if best.error > bound && may_step {
+        let error = best.error - self.made_up(now.since(self.local) as i64);
+        let late = error > bound && may_step;
+        self.bus = self.bus_time(now);
+        self.local = now;
+        if late {
             // The clock was set by a SYNC that came late; what is known of its rate is as wrong.
             self.anchor = None;
             self.next_anchor = None;
-            best.error
-        } else {
-            (best.error >> SHIFT).clamp(-drift, drift)
-        };
-        self.bus = BusTime(self.bus_time(now).0.saturating_add_signed(offset));
-        self.local = now;
-        if best.error.abs() <= bound {
-            self.learn_rate(best);
+            self.bus = BusTime(self.bus.0.saturating_add_signed(error));
+            self.slew = 0;
+            return Discipline::Stepped;
         }
+        self.slew = (error >> SHIFT).clamp(-drift, drift);
+        if error.abs() <= bound {
+            self.doubts = 0;
+            self.learn_rate(best);
+        } else if self.doubts < DOUBTS {
+            self.doubts += 1;
+        } else {
+            self.doubts = 0;
+            self.rate = 0;
+            self.anchor = None;
+            self.next_anchor = None;
+            if may_step {
+                self.bus = BusTime(self.bus.0.saturating_add_signed(error));
+                self.slew = 0;
+                return Discipline::Stepped;
+            }
+        }
+        Discipline::Corrected
     }
 
     /// Takes the rate from the stretch between the anchor and this sample.

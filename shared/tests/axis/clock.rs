@@ -8,7 +8,8 @@ use canter_shared::axis::state::State;
 use canter_shared::drive::Drive;
 use canter_shared::drive::simulated::Simulated;
 use canter_shared::limits::Limits;
-use canter_shared::time::LocalTime;
+use canter_shared::time::bus_clock::BusClock;
+use canter_shared::time::{BusTime, LocalTime};
 use canter_shared::units::Position;
 use canter_shared::wire::command::{Action, Command};
 
@@ -92,6 +93,54 @@ fn the_clock_cannot_be_led_astray_by_changing_floods() {
         assert!(part.abs() <= 1e-3, "{part}");
         keeps_its_speed(&bench);
     }
+}
+
+/// Whatever the clock was made to believe, it follows an honest one within seconds.
+#[test]
+fn a_clock_that_was_led_astray_comes_back() {
+    for side in [-1, 1] {
+        let mut bench = NodeBench::enabled();
+        for _ in 0..4_000 {
+            bench.sync_ahead(side * 19);
+            bench.run(1_000);
+        }
+        let begin = bench.node.bus_time(LocalTime(bench.now)).0 - bench.now;
+        for _ in 0..1_000 {
+            bench.sync(begin + bench.now);
+            bench.run(20_000);
+        }
+        let shown = bench.node.bus_time(LocalTime(bench.now)).0;
+        let off = shown.abs_diff(begin + bench.now);
+        assert!(off <= 100, "off by {off} us after 20 s of honest SYNCs");
+    }
+}
+
+/// Crystals of +-100 ppm, and a host whose SYNCs come late by up to 5 ms, three in four of them.
+#[test]
+fn the_clock_follows_through_jitter_whatever_comes_first() {
+    let mut worst = 0;
+    for case in 1..=400u64 {
+        let mut seed = case.wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        let part = if case % 2 == 0 { 10_001 } else { 9_999 };
+        let mut clock = BusClock::new();
+        for step in 0..3_000 {
+            let local = |bus: u64| LocalTime(1_000 + bus * part / 10_000);
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            let late = if seed >> 62 == 0 {
+                0
+            } else {
+                (seed >> 33) % 5_000
+            };
+            let bus = step * 20_000;
+            // From the tenth second on something moves all the time.
+            clock.synchronise(local(bus + late), BusTime(OFFSET + bus), step < 500);
+            if step > 1_000 {
+                let shown = clock.bus_time(local(bus)).0;
+                worst = worst.max(shown.abs_diff(OFFSET + bus));
+            }
+        }
+    }
+    assert!(worst <= 500, "off by {worst} us");
 }
 
 /// Honest SYNCs with one that is 45 ms ahead, at each place in a window.

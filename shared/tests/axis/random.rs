@@ -6,7 +6,7 @@ use canter_shared::axis::Outcome;
 use canter_shared::axis::state::State;
 use canter_shared::drive::Condition;
 use canter_shared::drive::simulated::Simulated;
-use canter_shared::limits::{DEFAULT_VALUES, LimitValues, Limits};
+use canter_shared::limits::{LimitValues, Limits};
 use canter_shared::motion::beta::Beta;
 use canter_shared::time::{Tick, Ticks};
 use canter_shared::units::Position;
@@ -161,7 +161,6 @@ fn limits() -> impl Strategy<Value = Limits> {
                 jerk: power(acceleration.max(deceleration) + jerk),
                 position_minimum: middle - half,
                 position_maximum: middle + half,
-                ..DEFAULT_VALUES
             })
             .expect("in range")
         },

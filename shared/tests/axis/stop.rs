@@ -9,6 +9,7 @@ use canter_shared::limits::{DEFAULT_VALUES, LimitValues, Limits};
 use canter_shared::units::Position;
 use canter_shared::wire::command::{Action, Command, wire_position};
 use canter_shared::wire::reason::Reason;
+use std::f64::consts::TAU;
 
 /// On the way in from 5 turns, where the travel ends at 1.
 fn moving_inwards() -> Bench {
@@ -80,6 +81,55 @@ fn another_target_outside_the_travel_is_reached_without_going_farther_out() {
     assert_eq!(bench.setpoint.position, wire_position(turns(0.9)));
 }
 
+/// From far outside to the far end of the travel: a stop that needs more room than is left must
+/// not come out on the other side, though that is less far outside than where the axis was.
+#[test]
+fn a_stop_on_the_way_in_does_not_go_out_on_the_other_side() {
+    let limits = Limits::new(&LimitValues {
+        velocity: 59.0,
+        acceleration: 270.0,
+        deceleration: 21.4,
+        jerk: 615.0,
+        position_minimum: -TAU,
+        position_maximum: TAU,
+    })
+    .expect("in range");
+    for milliseconds in [3_800, 4_000, 4_200, 4_500, 5_000, 5_500] {
+        for after in [1, 2, 5, 10, 50, 200, 1_000, 2_000] {
+            let mut bench = Bench::enabled(limits, 12.0996);
+            assert_eq!(bench.go_trapezoid(-1.0, milliseconds), Outcome::Accepted);
+            bench.run(after);
+            // The bench sees that no setpoint leads out of the travel.
+            assert_eq!(bench.send(Command::EmergencyStop), Outcome::Accepted);
+            bench.run(6_000);
+            assert_eq!(bench.axis.state(), State::Fault);
+        }
+    }
+}
+
+/// A trapezoid's acceleration comes at once whatever the jerk limit, and so it must go: taken back
+/// slowly, it would carry the axis on to full speed after an emergency stop.
+#[test]
+fn an_emergency_stop_does_not_speed_up_a_trapezoid() {
+    let limits = Limits::new(&LimitValues {
+        jerk: 500.0,
+        ..DEFAULT_VALUES
+    })
+    .expect("in range");
+    for after in [1, 5, 20, 50, 80] {
+        let mut bench = Bench::enabled(limits, 0.0);
+        assert_eq!(bench.go_trapezoid(10.0, 3_300), Outcome::Accepted);
+        bench.run(after);
+        let before = bench.velocity();
+        assert_eq!(bench.send(Command::EmergencyStop), Outcome::Accepted);
+        while bench.axis.is_moving() {
+            bench.step();
+            let now = bench.velocity();
+            assert!(now <= before + 0.3, "from {before} to {now} rad/s");
+        }
+    }
+}
+
 #[test]
 fn every_kind_of_move_stops_in_the_time_that_the_limits_allow() {
     for after in [1, 50, 150, 300, 600, 900, 990, 1_050] {
@@ -112,7 +162,7 @@ fn an_emergency_stop_on_the_way_to_the_end_of_the_travel_begins_at_once() {
     })
     .expect("in range");
     let mut bench = Bench::enabled(limits, 0.0);
-    let end = 100.0 / std::f64::consts::TAU;
+    let end = 100.0 / TAU;
     assert_eq!(bench.go_trapezoid(end, 6_000), Outcome::Accepted);
     // 0.9 s from the end at nearly full speed, where 0.1 s of braking would do.
     bench.run(5_100);
