@@ -242,7 +242,8 @@ impl Axis {
     pub fn rebase(&mut self, tick: Tick) {
         let step = tick.0.wrapping_sub(self.tick.0) as i64;
         self.tick = tick;
-        self.since = Tick(self.since.0.saturating_add_signed(step));
+        // May lie before the beginning of bus time.
+        self.since = Tick(self.since.0.wrapping_add_signed(step));
         self.commander.rebase(step);
         self.motion.fold(Tick(u64::MAX));
         self.departure = None;

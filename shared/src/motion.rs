@@ -389,15 +389,23 @@ impl Motion {
             velocity: state.velocity.counts() as f64,
             acceleration: acceleration.counts() as f64,
         };
-        let stop = HARDER.into_iter().find_map(|times| {
-            let stop = stop::plan(entry, limits, times)?;
+        // From outside the travel, the way back in belongs to it.
+        let least = limits.position_minimum().min(state.position);
+        let greatest = limits.position_maximum().max(state.position);
+        let inside = |stop: &stop::Stop| {
             let place = Position::from_counts(stop.rest.position);
-            // From outside the travel, the way back in belongs to it.
-            let least = limits.position_minimum().min(state.position);
-            let greatest = limits.position_maximum().max(state.position);
-            let inside = (least..=greatest).contains(&place);
-            (stop.rest.tick < end && inside).then_some(stop)
-        });
+            (least..=greatest).contains(&place)
+        };
+        let sooner = |stop: &stop::Stop| stop.rest.tick < end;
+        let stop = match stop::plan(entry, limits, 1.0) {
+            // A motion that rests as soon is left alone, a stop under way above all.
+            Some(stop) if inside(&stop) => Some(stop).filter(sooner),
+            _ => HARDER.into_iter().find_map(|times| {
+                stop::plan(entry, limits, times)
+                    .filter(inside)
+                    .filter(sooner)
+            }),
+        };
         match stop {
             Some(stop) => {
                 self.betas.clear();
@@ -412,5 +420,6 @@ impl Motion {
     }
 }
 
-/// Multiples of the jerk limit that a stop is tried with: the travel goes before the jerk.
-const HARDER: [f64; 5] = [1.0, 4.0, 16.0, 256.0, 65_536.0];
+/// Multiples of the jerk limit that a stop is tried with where it would end outside of the travel:
+/// the travel goes before the jerk.
+const HARDER: [f64; 4] = [4.0, 16.0, 256.0, 65_536.0];

@@ -177,6 +177,7 @@ impl Axis {
         if anew {
             // Numbers begin anew, so a group that was staged has lost its name.
             self.forget_moves();
+            self.last_trigger = None;
         }
         Ok(())
     }

@@ -12,8 +12,6 @@ pub(super) struct Commander {
     session: Option<Session>,
     heard: Tick,
     sequence: u8,
-    /// The number of the hold itself, to know its repetition.
-    held_with: u8,
 }
 
 impl Commander {
@@ -40,7 +38,6 @@ impl Commander {
                 self.session = Some(session);
                 self.heard = now;
                 self.sequence = sequence;
-                self.held_with = sequence;
                 Ok(true)
             }
         }

@@ -128,7 +128,7 @@ impl Axis {
                 self.follow_drive();
                 if self.condition() == Some(Condition::Enabled) {
                     self.enter(State::SwitchedOn);
-                } else if self.tick.since(self.since) > ENABLE_TIMEOUT {
+                } else if self.tick.0.wrapping_sub(self.since.0) > u64::from(ENABLE_TIMEOUT.0) {
                     self.raise(Fault::EnableTimeout);
                 }
             }
