@@ -52,7 +52,7 @@ impl Axis {
                 self.answer(Function::Stop, sequence, Ok(0))
             }
             Command::HostHeartbeat { session } => {
-                self.commander.hear(session, self.tick.max(tick_of(now)));
+                self.commander.hear(session, tick_of(now));
                 Outcome::Accepted
             }
             Command::Trigger {

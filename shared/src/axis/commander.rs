@@ -47,9 +47,12 @@ impl Commander {
         self.session = None;
     }
 
-    pub(super) fn hear(&mut self, session: Session, now: Tick) {
-        if self.session == Some(session) {
-            self.heard = now;
+    /// Takes a heartbeat that arrived at `then`, which may be some ticks ago: a node that is busy
+    /// does not give its host more time.
+    pub(super) fn hear(&mut self, session: Session, then: Tick) {
+        let later = then.0.wrapping_sub(self.heard.0) as i64 > 0;
+        if self.session == Some(session) && later {
+            self.heard = then;
         }
     }
 
