@@ -204,13 +204,8 @@ fn the_emulated_node_stops_and_latches_when_its_host_is_killed() {
     host.kill().expect("it still runs");
     host.wait().expect("it ends");
     node.wait_for("fault", 1, |record| record.state == u8::from(State::Fault));
-    let limit = Limits::default().slower_acceleration().counts();
     let records = node.records(1);
-    assert!(
-        records
-            .iter()
-            .all(|record| record.acceleration.abs() <= limit)
-    );
+    keeps_its_limits(&records);
     let position = records.last().map(|record| record.position);
     assert!(position < Some(8 * COUNTS_PER_TURN));
     let status = node.run("status --json").success().json();
@@ -219,4 +214,50 @@ fn the_emulated_node_stops_and_latches_when_its_host_is_killed() {
         node.records(1).last().map(|record| record.position),
         position
     );
+}
+
+#[test]
+fn the_emulated_node_stops_when_its_host_is_interrupted_and_goes_on_from_there() {
+    let node = Served::start();
+    node.run("enable all").success();
+    let host = Process::spawn(&mut node.command("move 1=8turn --duration 6"));
+    let fast = Velocity::from_radians(10.0).expect("in range").counts();
+    node.wait_for("motion", 1, |record| record.velocity >= fast);
+    host.signal("INT");
+    assert_eq!(host.finish().status.code(), Some(1));
+    let rest = node.records(1).last().copied().expect("records");
+    assert_eq!(rest.velocity, 0);
+    assert_eq!(rest.state, u8::from(State::OperationEnabled));
+    assert!(rest.position < 8 * COUNTS_PER_TURN, "it was not stopped");
+    node.run("move 1=0").success();
+    let records = node.records(1);
+    assert_eq!(records.last().map(|record| record.position), Some(0));
+    keeps_its_limits(&records);
+}
+
+/// No tick missing while it moves, no setpoint over a limit, no jump of position, velocity or
+/// acceleration (a stop may begin while a move's own jerk is at its peak, so twice the limit).
+#[track_caller]
+fn keeps_its_limits(records: &[Record]) {
+    let limits = Limits::default();
+    let jerk = limits.jerk().counts() as f64;
+    for pair in records.windows(2) {
+        let [before, now] = [pair[0], pair[1]];
+        assert!(now.velocity.abs() <= limits.velocity().counts(), "{now:?}");
+        let strongest = limits.slower_acceleration().counts();
+        assert!(now.acceleration.abs() <= strongest, "{now:?}");
+        if before.velocity == 0 && now.velocity == 0 {
+            continue;
+        }
+        assert_eq!(now.tick, before.tick.wrapping_add(1), "a tick is missing");
+        let moved = (now.position - before.position) as f64;
+        let mean = (now.velocity + before.velocity) as f64 / 2.0;
+        // The trapezium rule's error is jerk * T^3 / 12.
+        assert!(
+            (moved - mean * 1e-3).abs() <= 4.0 + 2.0 * jerk * 1e-9 / 12.0,
+            "{pair:?}"
+        );
+        let change = (now.acceleration - before.acceleration).abs() as f64;
+        assert!(change <= 2.0 * jerk * 1e-3, "{pair:?}");
+    }
 }
