@@ -9,3 +9,4 @@ pub mod candump;
 mod setpoints;
 
 pub use setpoints::SetpointsCsv;
+pub(crate) use setpoints::{Rates, Seconds};

@@ -34,15 +34,13 @@ use canter_shared::wire::frame::Frame;
 use canter_shared::wire::id::AxisId;
 
 use crate::bus::{Bitrate, Bus, BusError, Event, Received};
+use crate::robot::Robot;
 pub use clock::TrueTime;
 use device::Device;
 pub use medium::{Load, Sender, Transmission};
 use medium::{Medium, arbitrate};
 pub use observer::{Observer, Record};
 use random::SplitMix64;
-
-/// Axes of the robot unless more is said: four legs of three.
-const DEFAULT_AXES: u8 = 12;
 
 /// Frames that the host can have waiting: those of a Linux CAN interface (`txqueuelen`), so that
 /// a client meets its first full queue here and not on the robot.
@@ -64,20 +62,25 @@ pub struct Configuration {
     pub receive_jitter: u32,
 }
 
-impl Default for Configuration {
-    /// Axes 1 to 12 with default limits, seed 1, 1 Mbit/s, crystals of +-100 ppm, receivers late
-    /// by up to 20 us.
-    fn default() -> Self {
+impl Configuration {
+    /// The axes of `robot` on a bus of 1 Mbit/s: seed 1, crystals of +-100 ppm, receivers late by
+    /// up to 20 us.
+    pub fn of(robot: &Robot) -> Self {
+        let axes = robot.axes().iter();
         Self {
-            axes: (1..=DEFAULT_AXES)
-                .filter_map(AxisId::new)
-                .map(|axis| (axis, Limits::default()))
-                .collect(),
+            axes: axes.map(|axis| (axis.id, axis.limits)).collect(),
             seed: 1,
             bitrate: Bitrate::default(),
             crystal_ppm: 100,
             receive_jitter: 20_000,
         }
+    }
+}
+
+impl Default for Configuration {
+    /// That of the default robot, with axes 1 to 12 and default limits.
+    fn default() -> Self {
+        Self::of(&Robot::default())
     }
 }
 

@@ -1,9 +1,33 @@
 //! Setpoints as CSV, for everybody's own plots.
 
+use std::fmt;
 use std::io::{self, Write};
 
+use canter_shared::motion::Setpoint;
 use canter_shared::node::AxisSetpoint;
-use canter_shared::time::TICKS_PER_SECOND;
+use canter_shared::time::{TICKS_PER_SECOND, Tick};
+
+/// A tick as seconds of bus time, to the millisecond.
+pub(crate) struct Seconds(pub Tick);
+
+impl fmt::Display for Seconds {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (seconds, rest) = (self.0.0 / TICKS_PER_SECOND, self.0.0 % TICKS_PER_SECOND);
+        write!(formatter, "{seconds}.{rest:03}")
+    }
+}
+
+/// A setpoint as `position,velocity,acceleration` in rad and its rates.
+pub(crate) struct Rates(pub Setpoint);
+
+impl fmt::Display for Rates {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let position = self.0.position.radians();
+        let velocity = self.0.velocity.radians();
+        let acceleration = self.0.acceleration.radians();
+        write!(formatter, "{position},{velocity},{acceleration}")
+    }
+}
 
 /// Writes `t,axis,position,velocity,acceleration`: s of bus time, rad, rad/s, rad/s^2.
 ///
@@ -28,16 +52,12 @@ impl<W: Write> SetpointsCsv<W> {
     /// # Errors
     /// What the file says.
     pub fn write(&mut self, row: &AxisSetpoint) -> io::Result<()> {
-        let tick = row.tick.0;
         writeln!(
             self.out,
-            "{}.{:03},{},{},{},{}",
-            tick / TICKS_PER_SECOND,
-            tick % TICKS_PER_SECOND,
+            "{},{},{}",
+            Seconds(row.tick),
             row.axis,
-            row.setpoint.position.radians(),
-            row.setpoint.velocity.radians(),
-            row.setpoint.acceleration.radians(),
+            Rates(row.setpoint)
         )
     }
 
@@ -55,8 +75,6 @@ impl<W: Write> SetpointsCsv<W> {
 mod tests {
     use super::*;
     use canter_shared::axis::state::State;
-    use canter_shared::motion::Setpoint;
-    use canter_shared::time::Tick;
     use canter_shared::units::{Acceleration, Position, Velocity};
     use canter_shared::wire::id::AxisId;
 

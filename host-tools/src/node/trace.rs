@@ -1,7 +1,7 @@
 //! The trace of a node: every setpoint of every tick as CSV.
 
+use crate::log::{Rates, Seconds};
 use canter_shared::node::AxisSetpoint;
-use canter_shared::time::TICKS_PER_SECOND;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -50,23 +50,10 @@ impl Trace {
 
     /// Adds the setpoints of one tick.
     pub(super) fn write(&mut self, setpoints: &[AxisSetpoint]) -> Result<(), TraceError> {
-        for AxisSetpoint {
-            axis,
-            tick,
-            state,
-            setpoint,
-        } in setpoints
-        {
-            let (seconds, milliseconds) = (tick.0 / TICKS_PER_SECOND, tick.0 % TICKS_PER_SECOND);
-            let position = setpoint.position.radians();
-            let velocity = setpoint.velocity.radians();
-            let acceleration = setpoint.acceleration.radians();
-            self.attempt(|file| {
-                writeln!(
-                    file,
-                    "{seconds}.{milliseconds:03},{axis},{state},{position},{velocity},{acceleration}"
-                )
-            })?;
+        for row in setpoints {
+            let (time, rates) = (Seconds(row.tick), Rates(row.setpoint));
+            let (axis, state) = (row.axis, row.state);
+            self.attempt(|file| writeln!(file, "{time},{axis},{state},{rates}"))?;
         }
         self.unflushed += 1;
         if self.unflushed >= FLUSH_TICKS {

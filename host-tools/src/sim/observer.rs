@@ -53,20 +53,6 @@ pub struct Record {
     pub setpoints: Vec<(TrueTime, AxisSetpoint)>,
 }
 
-impl Record {
-    /// The setpoints in the order of their ticks, and of their axes within a tick: with all clocks
-    /// a little apart, true time has the axes of one tick in any order.
-    pub fn setpoints_by_tick(&self) -> Vec<AxisSetpoint> {
-        let mut setpoints: Vec<_> = self
-            .setpoints
-            .iter()
-            .map(|(_, setpoint)| *setpoint)
-            .collect();
-        setpoints.sort_by_key(|setpoint| (setpoint.tick, setpoint.axis));
-        setpoints
-    }
-}
-
 impl Observer for Record {
     fn frame(&mut self, transmission: &Transmission) {
         self.frames.push(*transmission);

@@ -44,18 +44,9 @@ impl Context {
         if self.is_simulated() {
             let axes = self.robot.axes().len();
             eprintln!("bus: sim, a simulated robot of {axes} axes; choose another with --can");
-            return Ok(Box::new(SimulatedBus::new(&self.simulation())));
+            return Ok(Box::new(SimulatedBus::new(&Configuration::of(&self.robot))));
         }
         Ok(self.address.open()?)
-    }
-
-    /// The simulated robot that the robot file describes.
-    pub fn simulation(&self) -> Configuration {
-        let axes = self.robot.axes().iter();
-        Configuration {
-            axes: axes.map(|axis| (axis.id, axis.limits)).collect(),
-            ..Configuration::default()
-        }
     }
 
     /// A client on the bus, which ends what it does on an interrupt or a termination signal.

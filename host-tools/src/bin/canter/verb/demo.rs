@@ -16,7 +16,7 @@ pub fn run(context: &Context, arguments: &Demo) -> Result<()> {
         .with_context(|| format!("cannot make the directory {}", out.display()))?;
     let configuration = canter::sim::Configuration {
         seed: arguments.seed,
-        ..context.simulation()
+        ..canter::sim::Configuration::of(&context.robot)
     };
     let performance = perform(&context.robot, &configuration, |words| eprintln!("{words}"))?;
     let measurements = performance.measure(&context.robot);
