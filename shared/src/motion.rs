@@ -6,6 +6,9 @@
 //!
 //! | file | what it holds |
 //! |---|---|
+//! | `trajectory` | what every profile in f64 can tell |
+//! | `bounds`, `error` | its limits, and why it cannot be made |
+//! | `segments` | pieces of constant jerk in f64 |
 //! | `beta` | the beta S-curve, integers and f64 |
 //! | `trapezoid` | constant acceleration, cruise, constant deceleration |
 //! | `stop` | the controlled stop from any state |
@@ -14,10 +17,14 @@
 //! | `fixed` | 64-bit fractions |
 
 pub mod beta;
+pub mod bounds;
+pub mod error;
 mod fixed;
 mod phase;
 mod retarget;
+pub mod segments;
 mod stop;
+pub mod trajectory;
 pub mod trapezoid;
 
 use crate::limits::Limits;

@@ -1,6 +1,7 @@
 //! The beta S-curve in f64, for planning and for study on the host: units are the caller's own.
 
 use super::{PEAK_ACCELERATION, PEAK_JERK, PEAK_VELOCITY};
+use crate::motion::trajectory::Sample;
 use core::f64::consts::PI;
 
 /// The unit curve and its first three derivatives by x, for x in [-1, 1].
@@ -64,19 +65,6 @@ fn series(u: f64) -> f64 {
         power *= -u * (2.5 - k) / (k + 1.0);
     }
     1024.0 / (5.0 * PI) * u * u * u * libm::sqrt(u) * sum
-}
-
-/// Position and its first three derivatives by time.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sample {
-    /// In the caller's unit.
-    pub position: f64,
-    /// Per second.
-    pub velocity: f64,
-    /// Per second squared.
-    pub acceleration: f64,
-    /// Per second cubed.
-    pub jerk: f64,
 }
 
 /// A beta move in f64 from `from` to `to`, starting at t = 0.
