@@ -90,7 +90,10 @@ pub fn run(
             };
             let at = LocalTime(received.time.0);
             match received.event {
-                Event::Frame(frame) => node.handle_frame(at, &frame),
+                Event::Frame(frame) => {
+                    node.handle_frame(at, &frame);
+                    node.plan();
+                }
                 Event::Error(error) => count(&mut node, &error),
             }
             // What else is there is taken at once, then answered.
@@ -125,6 +128,7 @@ fn run_due_ticks(
         if let Some(trace) = trace {
             trace.write(setpoints)?;
         }
+        node.plan();
     }
 }
 

@@ -7,25 +7,32 @@
 //!
 //! The axis is sans-IO. Its owner calls `handle_frame` and `handle_drive` when something arrives,
 //! `tick` exactly once for each tick, and `poll_transmit` until there is nothing left to send.
+//! Each of these is quick. Motion is planned apart from them, see `planning`: after each the owner
+//! sees to it that what waits is planned, before it goes on (`plan`) or at a lower priority
+//! (`take_plan`, `commit`).
 //!
 //! | file | what it holds |
 //! |---|---|
 //! | `command` | what each command does, and its answer |
 //! | `commander` | who holds the axis |
+//! | `planning` | changes of motion: decided, planned, committed |
+//! | `course` | the motion under way, and the one that takes over |
 //! | `supervision` | drive and host watched; the state machine |
 //! | `state`, `fault` | their tables |
 //! | `telemetry` | what is sent, and when |
 
 mod command;
 mod commander;
+mod course;
 pub mod fault;
+mod planning;
 pub mod state;
 mod supervision;
 mod telemetry;
 
 use crate::drive::{Condition, DriveCommand, DriveReport};
 use crate::limits::Limits;
-use crate::motion::{Motion, Move, Setpoint};
+use crate::motion::{Move, Setpoint};
 use crate::time::{BusTime, Tick, Ticks};
 use crate::units::Position;
 use crate::wire::command::Session;
@@ -34,7 +41,10 @@ use crate::wire::id::AxisId;
 use crate::wire::reason::Reason;
 use crate::wire::report::Report;
 use commander::Commander;
+use course::Course;
 use fault::Fault;
+use planning::Planning;
+pub use planning::{FinishedPlan, Plan};
 use state::State;
 pub use telemetry::Counters;
 use telemetry::{Due, Telemetry};
@@ -50,9 +60,11 @@ pub enum Outcome {
     Ignored,
     /// It was taken; an answer is waiting where the command has one.
     Accepted,
+    /// A move is to be planned: whether it is taken will be answered then.
+    Planning,
     /// It was refused; the answer with the reason is waiting.
     Rejected(Reason),
-    /// It was a repetition; the first answer is waiting again.
+    /// It was a repetition; the first answer is waiting again, or still to come.
     Repeated,
 }
 
@@ -68,6 +80,14 @@ enum Request {
 struct Staged {
     sequence: u8,
     asked: Move,
+}
+
+/// What a repetition is answered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Reply {
+    Given(Report),
+    /// Nothing yet: the answer comes when the job of this number is done.
+    Waits(u32),
 }
 
 /// A move whose start is still to be reported.
@@ -87,7 +107,8 @@ pub struct Axis {
     /// When the state was entered.
     since: Tick,
     request: Option<Request>,
-    motion: Motion,
+    course: Course,
+    planning: Planning,
     setpoint: Setpoint,
     /// The tick of the setpoint above, and the bus time at which it was handed over.
     tick: Tick,
@@ -98,8 +119,8 @@ pub struct Axis {
     /// Ramps for the next trapezoid: acceleration, deceleration.
     shape: Option<(Ticks, Ticks)>,
     departure: Option<Departure>,
-    last_command: Option<(Frame, Report)>,
-    last_trigger: Option<(Frame, Report)>,
+    last_command: Option<(Frame, Reply)>,
+    last_trigger: Option<(Frame, Reply)>,
     telemetry: Telemetry,
     counters: Counters,
 }
@@ -114,7 +135,8 @@ impl Axis {
             fault: None,
             since: Tick(0),
             request: None,
-            motion: Motion::at_rest(Position::ZERO),
+            course: Course::at_rest(Position::ZERO),
+            planning: Planning::default(),
             setpoint: Setpoint::default(),
             tick: Tick(0),
             handed_over: BusTime(0),
@@ -162,7 +184,7 @@ impl Axis {
 
     /// Whether the setpoint changes, or will without another command.
     pub fn is_moving(&self) -> bool {
-        self.motion.is_moving(self.tick)
+        self.planning.is_about_to_move() || self.course.is_moving(self.tick)
     }
 
     /// Takes what the drive said.
@@ -174,12 +196,11 @@ impl Axis {
     pub fn tick(&mut self, tick: Tick, now: BusTime) -> Setpoint {
         self.tick = tick;
         self.handed_over = now;
+        self.follow_course();
         self.supervise();
         if self.state.drives() {
-            self.setpoint = self.motion.at(tick);
-            let was_moving = self.motion.end().is_some();
-            self.motion.fold(tick);
-            if was_moving && self.motion.end().is_none() {
+            self.setpoint = self.course.at(tick);
+            if self.course.fold(tick) {
                 self.telemetry.hasten();
             }
         }
@@ -191,6 +212,13 @@ impl Axis {
         }
         self.telemetry.tick(tick);
         self.setpoint
+    }
+
+    /// Has the motion take over that is to at this tick.
+    fn follow_course(&mut self) {
+        if let Some(departure) = self.course.advance(self.tick) {
+            self.departure = departure;
+        }
     }
 
     /// What to tell the drive at this tick.
@@ -245,7 +273,7 @@ impl Axis {
         // May lie before the beginning of bus time.
         self.since = Tick(self.since.0.wrapping_add_signed(step));
         self.commander.rebase(step);
-        self.motion.fold(Tick(u64::MAX));
+        self.course.settle();
         self.departure = None;
     }
 

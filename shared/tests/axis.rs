@@ -10,6 +10,7 @@ mod axis {
     mod drive;
     mod host;
     mod node_bench;
+    mod planner;
     mod random;
     mod sequence;
     mod stop;

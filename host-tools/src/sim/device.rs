@@ -79,6 +79,7 @@ impl Device {
             }
             None => self.node.tick(local).first().copied(),
         };
+        self.node.plan();
         self.refill(local);
         setpoint.filter(|_| self.synchronised)
     }
