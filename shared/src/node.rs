@@ -248,13 +248,13 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
         self.slots.get_mut(place)?.axis.take_plan(lead)
     }
 
-    /// Takes what came of a plan.
-    pub fn commit(&mut self, finished: &FinishedPlan) -> Outcome {
+    /// Takes what came of a plan; the answer to its command is then waiting, or it is to be planned
+    /// again.
+    pub fn commit(&mut self, finished: &FinishedPlan) {
         let axis = finished.axis();
         let mut slots = self.slots.iter_mut();
-        match slots.find(|slot| slot.axis.id() == axis) {
-            Some(slot) => slot.axis.commit(finished),
-            None => Outcome::Ignored,
+        if let Some(slot) = slots.find(|slot| slot.axis.id() == axis) {
+            let _: Outcome = slot.axis.commit(finished);
         }
     }
 

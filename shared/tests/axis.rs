@@ -11,6 +11,7 @@ mod axis {
     mod host;
     mod node_bench;
     mod planner;
+    mod planning;
     mod random;
     mod sequence;
     mod stop;

@@ -193,7 +193,8 @@ impl Bench {
         self.planner.act(&mut self.axis);
         if self.beats && self.tick.is_multiple_of(50) {
             let beat = Command::HostHeartbeat { session: SESSION };
-            assert_eq!(self.handle(&frame(beat)), Outcome::Accepted);
+            let outcome = self.axis.handle_frame(self.now(), &frame(beat));
+            assert_eq!(outcome, Outcome::Accepted);
         }
         self.drain();
     }

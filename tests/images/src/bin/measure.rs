@@ -91,6 +91,12 @@ struct Bench {
     node: Node<Simulated, 1>,
     sequence: u8,
     ticks: u32,
+    /// Whether the host sends its heartbeat.
+    beats: bool,
+    /// What is done under the node's lock: for a frame, to take a plan, to commit it.
+    decisions: Spread,
+    takes: Spread,
+    commits: Spread,
 }
 
 impl Bench {
@@ -108,6 +114,10 @@ impl Bench {
             node,
             sequence: 0,
             ticks: 0,
+            beats: true,
+            decisions: Spread::new(),
+            takes: Spread::new(),
+            commits: Spread::new(),
         }
     }
 
@@ -117,7 +127,7 @@ impl Bench {
         let count = count(|| node.tick(black_box(now)).len());
         while node.poll_transmit(now).is_some() {}
         self.ticks += 1;
-        if self.ticks.is_multiple_of(BEAT) {
+        if self.beats && self.ticks.is_multiple_of(BEAT) {
             self.say(Command::HostHeartbeat { session: SESSION });
         }
         count
@@ -137,7 +147,30 @@ impl Bench {
 
     fn handle(&mut self, now: LocalTime, frame: &Frame) -> u32 {
         let node = &mut self.node;
-        count(|| node.handle_frame(black_box(now), black_box(frame)))
+        let decide = count(|| node.handle_frame(black_box(now), black_box(frame)));
+        self.decisions.add(decide);
+        self.plan()
+    }
+
+    /// Plans what waits, as a task of low priority does: the instructions without those under the
+    /// node's lock, which are kept apart.
+    fn plan(&mut self) -> u32 {
+        let node = &mut self.node;
+        let mut plan = None;
+        let take = count(|| plan = node.take_plan(Ticks(1)));
+        let Some(plan) = plan else {
+            return 0;
+        };
+        let mut finished = None;
+        let work = count(|| finished = Some(plan.work()));
+        let commit = count(|| {
+            if let Some(finished) = &finished {
+                node.commit(finished);
+            }
+        });
+        self.takes.add(take);
+        self.commits.add(commit);
+        work
     }
 
     fn sequence(&mut self) -> u8 {
@@ -198,4 +231,38 @@ fn measure_node() {
         moving.report(format_args!("node.tick_{name}"));
         retarget.report(format_args!("node.retarget_{name}"));
     }
+    measure_stops(&mut bench);
+    bench.decisions.report("node.handle_frame");
+    bench.takes.report("node.take_plan");
+    bench.commits.report("node.commit");
+}
+
+/// Stops in mid-move, by a frame and because the host falls silent.
+fn measure_stops(bench: &mut Bench) {
+    let (mut stop, mut ticks) = (Spread::new(), Spread::new());
+    for (profile, round) in [ProfileKind::Beta, ProfileKind::Trapezoid]
+        .into_iter()
+        .flat_map(|profile| (0..10).map(move |round| (profile, round)))
+    {
+        bench.go(3 - 6 * (round % 2), profile);
+        for _ in 0..100 + 200 * round as u32 {
+            bench.tick();
+        }
+        let sequence = bench.sequence();
+        stop.add(bench.say(Command::Stop { sequence }));
+        for _ in 0..500 {
+            bench.tick();
+        }
+    }
+    bench.go(0, ProfileKind::Beta);
+    bench.beats = false;
+    for _ in 0..600 {
+        ticks.add(bench.tick());
+        let planned = bench.plan();
+        if planned > 0 {
+            stop.add(planned);
+        }
+    }
+    stop.report("node.stop");
+    ticks.report("node.tick_without_host");
 }
