@@ -297,7 +297,8 @@ impl Bench {
         })
     }
 
-    fn drain(&mut self) {
+    /// Takes what the axis has to say.
+    pub fn drain(&mut self) {
         while let Some(frame) = self.axis.poll_transmit() {
             if let Ok(Some((axis, report))) = Report::decode(&frame) {
                 assert_eq!(axis, AXIS);

@@ -4,13 +4,15 @@ use canter_shared::axis::{Axis, Outcome, Plan};
 use canter_shared::time::Ticks;
 
 /// Plans what waits, whenever something has happened to the axis.
-#[derive(Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Planner {
     /// The lead that is asked for.
     pub lead: Ticks,
     /// How many more frames and ticks pass before each plan is brought back, over and over; none
     /// for never.
     pub delays: Vec<Option<u8>>,
+    /// What became of the plans that were brought back.
+    pub outcomes: Vec<Outcome>,
     turn: usize,
     at_work: Option<(Plan, Option<u8>)>,
 }
@@ -35,7 +37,11 @@ impl Planner {
         let mut last = None;
         loop {
             match self.at_work.take() {
-                Some((plan, Some(0))) => last = Some(axis.commit(&plan.work())),
+                Some((plan, Some(0))) => {
+                    let outcome = axis.commit(&plan.work());
+                    self.outcomes.push(outcome);
+                    last = Some(outcome);
+                }
                 Some((plan, Some(left))) => {
                     self.at_work = Some((plan, Some(left - 1)));
                     return last;
