@@ -174,6 +174,34 @@ fn a_stop_calls_off_a_move_that_waits_for_its_splice() {
     assert!(!bench.reports.iter().any(started));
 }
 
+/// The stop takes over from the motion under way, however far ahead the move was to.
+#[test]
+fn a_stop_does_not_wait_for_the_splice_of_a_move() {
+    let mut bench = moving(500, 0);
+    assert_eq!(bench.send(beta(10, 0.0, 8_000)), Outcome::Accepted);
+    bench.planner.lead = Ticks(1);
+    bench.run(100);
+    let most = stopping_ticks(bench.velocity(), bench.axis.limits());
+    assert_eq!(bench.send(STOP), Outcome::Accepted);
+    bench.ticks_to_rest(most + 1);
+    bench.stays(1_000);
+}
+
+/// The first move waits for its splice while the second is planned, for longer than that.
+#[test]
+fn a_move_is_planned_from_the_one_that_waits_for_its_splice() {
+    let mut bench = moving(200, 0);
+    bench.planner = Planner::erratic(200, vec![Some(0), Some(190), Some(0)]);
+    assert_eq!(bench.send(beta(10, 0.0, 4_000)), Outcome::Accepted);
+    bench.run(100);
+    assert_eq!(bench.send(beta(11, 8.0, 4_000)), Outcome::Planning);
+    // The bench sees whether anything jumps.
+    bench.run(20_000);
+    assert_eq!(bench.place(), 8.0);
+    let (accepted, again) = (Outcome::Accepted, Outcome::Planning);
+    assert_eq!(bench.planner.outcomes, [accepted, again, accepted]);
+}
+
 #[test]
 fn the_newer_of_two_moves_counts() {
     let mut bench = moving(2, 2);

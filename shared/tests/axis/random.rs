@@ -131,6 +131,7 @@ fn condition() -> impl Strategy<Value = Option<Condition>> {
 fn step() -> impl Strategy<Value = Step> {
     prop_oneof![
         10 => (1u64..60).prop_map(Step::Run),
+        3 => (1u64..4).prop_map(Step::Run),
         1 => (60u64..400).prop_map(Step::Run),
         3 => Just(Step::Recover),
         14 => movement(),
@@ -363,7 +364,8 @@ fn planner() -> impl Strategy<Value = Planner> {
         1 => Just(Vec::new()),
         2 => prop::collection::vec(delay, 1..20),
     ];
-    (0u32..4, delays).prop_map(|(lead, delays)| Planner::erratic(lead, delays))
+    let lead = prop_oneof![3 => 0u32..4, 1 => 0u32..300];
+    (lead, delays).prop_map(|(lead, delays)| Planner::erratic(lead, delays))
 }
 
 fn run(limits: Limits, place: f64, planner: Planner, steps: Vec<Step>) -> Run {
