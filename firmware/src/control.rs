@@ -11,7 +11,7 @@ use crate::node::{AXES, SharedNode};
 use crate::now;
 use crate::port::{BusMonitor, SetpointSink, Watchdog};
 
-/// How long a stop may wait for its plan. Seven tries with 1, 2, 4 ... 64 ticks ahead are 127.
+/// How long a stop may wait for its plan: the leads of seven tries, 1 + 2 + 4 ... + 64 = 127 ticks.
 const LONGEST_WAIT: Ticks = Ticks(127);
 
 /// Ticks the node when it is due, hands out the setpoints, and wakes the transmit task.

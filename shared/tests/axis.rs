@@ -9,6 +9,7 @@ mod axis {
     mod commander;
     mod drive;
     mod host;
+    mod lateness;
     mod node_bench;
     mod planner;
     mod planning;
@@ -18,4 +19,5 @@ mod axis {
     mod telemetry;
     mod trapezoid;
     mod trigger;
+    mod turns;
 }

@@ -79,7 +79,7 @@ impl Course {
     /// Whether the setpoint changes after `tick`, or will.
     pub(super) fn is_moving(&self, tick: Tick) -> bool {
         let next = self.next();
-        self.motion().is_moving(tick) || next.is_some_and(|(motion, _)| motion.is_moving(tick))
+        moves(self.motion(), tick) || next.is_some_and(|(motion, _)| moves(motion, tick))
     }
 
     pub(super) fn at(&self, tick: Tick) -> Setpoint {
@@ -87,6 +87,7 @@ impl Course {
     }
 
     /// Forgets what has ended by `tick`, and says whether that was the end of all motion.
+    #[inline(never)] // Its two callers would double an image's share of it.
     pub(super) fn fold(&mut self, tick: Tick) -> bool {
         let motion = self.motion_mut();
         let moved = motion.end().is_some();
@@ -133,4 +134,10 @@ impl Course {
         self.turned = !self.turned;
         Some(next.departure)
     }
+}
+
+/// Asked in many places: a copy in each would be a kilobyte of flash.
+#[inline(never)]
+fn moves(motion: &Motion, tick: Tick) -> bool {
+    motion.is_moving(tick)
 }

@@ -21,6 +21,9 @@
 //!   the last is refused.
 //!
 //! Until then the motion under way goes on, to its own end at the farthest, inside its limits.
+//!
+//! What is asked for in more than one place and not in every tick is not inlined: at the level that
+//! the tick's arithmetic is compiled with it would take kilobytes of flash.
 
 use super::command::{Refusal, refusal};
 use super::{Axis, Departure, Outcome, Reply, Staged};
@@ -161,6 +164,7 @@ impl Plan {
     }
 
     /// Works it out, in up to 80 000 instructions. It touches nothing but itself.
+    #[inline(never)]
     pub fn work(mut self) -> FinishedPlan {
         let result = self.change_motion();
         FinishedPlan {
@@ -208,6 +212,7 @@ impl Axis {
     /// `lead` says how many ticks may pass until it is committed: it takes over that many after the
     /// last one, later where plans came too late. An owner that commits before it does anything
     /// else gives 0.
+    #[inline(never)]
     pub fn take_plan(&mut self, lead: Ticks) -> Option<Plan> {
         if let Some((job, _)) = self.planning.working.take_if(|(_, at)| *at < self.tick) {
             // Whoever has it still: it will come too late.
@@ -238,6 +243,7 @@ impl Axis {
 
     /// Takes what came of a plan. What was called off meanwhile is ignored, its command has its
     /// answer; what comes after its splice is planned again.
+    #[inline(never)]
     pub fn commit(&mut self, finished: &FinishedPlan) -> Outcome {
         let splice = finished.splice;
         let same = |(job, at): &mut (Job, Tick)| job.number == finished.number && *at == splice;
@@ -347,6 +353,7 @@ impl Axis {
     }
 
     /// Answers a command whose job is done; its repetition gets the same.
+    #[inline(never)]
     fn settle(
         &mut self,
         wanted: &WantedMove,

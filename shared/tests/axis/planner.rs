@@ -1,7 +1,13 @@
 //! Who plans for an axis on the bench: at once, or as slowly as a test wants.
 
+use super::bench::Bench;
 use canter_shared::axis::{Axis, Outcome, Plan};
+use canter_shared::limits::Limits;
 use canter_shared::time::Ticks;
+use canter_shared::wire::command::Command;
+use canter_shared::wire::id::Function;
+use canter_shared::wire::reason::Reason;
+use canter_shared::wire::report::Report;
 
 /// Plans what waits, whenever something has happened to the axis.
 #[derive(Debug, Clone, Default)]
@@ -61,4 +67,38 @@ impl Planner {
             self.at_work = Some((plan, delay));
         }
     }
+}
+
+pub const STOP: Command = Command::Stop { sequence: 200 };
+
+/// An enabled axis whose plans come back after `delay` frames and ticks.
+pub fn slow(lead: u32, delay: u8) -> Bench {
+    let mut bench = Bench::enabled(Limits::default(), 0.0);
+    bench.planner = Planner::slow(lead, delay);
+    bench.reports.clear();
+    bench
+}
+
+/// At full speed towards 10 turns.
+pub fn moving(lead: u32, delay: u8) -> Bench {
+    let mut bench = Bench::enabled(Limits::default(), 0.0);
+    assert_eq!(bench.go(10.0, 8_000), Outcome::Accepted);
+    bench.run(4_000);
+    bench.planner = Planner::slow(lead, delay);
+    bench.reports.clear();
+    bench
+}
+
+/// The answers so far to moves and triggers.
+pub fn answers(bench: &Bench) -> Vec<(u8, Reason)> {
+    let answer = |report: &Report| match *report {
+        Report::Acknowledgement {
+            sequence,
+            reason,
+            function,
+            ..
+        } => (function != Function::Stop).then_some((sequence, reason)),
+        _ => None,
+    };
+    bench.reports.iter().filter_map(answer).collect()
 }
