@@ -59,7 +59,11 @@ fn the_core_keeps_its_budget_of_instructions() {
     for name in ["at_rest", "beta", "trapezoid", "without_host"] {
         holds(&results, &format!("node.tick_{name}.most"), 1_500);
     }
+    holds(&results, "node.tick_overtaking.most", 1_500);
+    // Each move laid over the others costs what the first one does: over the aim of 1500.
+    holds(&results, "node.tick_overlaid.most", 3_200);
     holds(&results, "node.handle_frame.most", 2_000);
+    holds(&results, "node.handle_frame_overtaking.most", 2_000);
     // These copy a motion under the node's lock, which holds off the tick.
     holds(&results, "node.take_plan.most", 4_000);
     holds(&results, "node.commit.most", 4_000);

@@ -59,6 +59,13 @@ impl Spread {
         self.counts += 1;
     }
 
+    fn merge(&mut self, other: &Self) {
+        self.least = self.least.min(other.least);
+        self.most = self.most.max(other.most);
+        self.sum += other.sum;
+        self.counts += other.counts;
+    }
+
     fn report(&self, name: impl Display) {
         let mean = self.sum / self.counts.max(1);
         report(format_args!("{name}.least"), self.least);
@@ -93,6 +100,8 @@ struct Bench {
     ticks: u32,
     /// Whether the host sends its heartbeat.
     beats: bool,
+    /// Whether somebody plans.
+    plans: bool,
     /// What is done under the node's lock: for a frame, to take a plan, to commit it.
     decisions: Spread,
     takes: Spread,
@@ -115,10 +124,22 @@ impl Bench {
             sequence: 0,
             ticks: 0,
             beats: true,
+            plans: true,
             decisions: Spread::new(),
             takes: Spread::new(),
             commits: Spread::new(),
         }
+    }
+
+    fn enabled() -> Self {
+        let mut bench = Self::new();
+        bench.tick();
+        bench.control(Action::Hold);
+        bench.control(Action::Enable);
+        for _ in 0..10 {
+            bench.tick();
+        }
+        bench
     }
 
     fn tick(&mut self) -> u32 {
@@ -149,7 +170,7 @@ impl Bench {
         let node = &mut self.node;
         let decide = count(|| node.handle_frame(black_box(now), black_box(frame)));
         self.decisions.add(decide);
-        self.plan()
+        if self.plans { self.plan() } else { 0 }
     }
 
     /// Plans what waits, as a task of low priority does: the instructions without those under the
@@ -200,13 +221,7 @@ impl Bench {
 }
 
 fn measure_node() {
-    let mut bench = Bench::new();
-    bench.tick();
-    bench.control(Action::Hold);
-    bench.control(Action::Enable);
-    for _ in 0..10 {
-        bench.tick();
-    }
+    let mut bench = Bench::enabled();
     let mut still = Spread::new();
     for _ in 0..1_000 {
         still.add(bench.tick());
@@ -231,7 +246,9 @@ fn measure_node() {
         moving.report(format_args!("node.tick_{name}"));
         retarget.report(format_args!("node.retarget_{name}"));
     }
+    measure_overlaid(&mut bench);
     measure_stops(&mut bench);
+    measure_overtaken();
     bench.decisions.report("node.handle_frame");
     bench.takes.report("node.take_plan");
     bench.commits.report("node.commit");
@@ -265,4 +282,53 @@ fn measure_stops(bench: &mut Bench) {
     }
     stop.report("node.stop");
     ticks.report("node.tick_without_host");
+}
+
+/// As many moves laid over each other as there is room for, and then the host falls silent.
+fn measure_overlaid(bench: &mut Bench) {
+    let mut ticks = Spread::new();
+    for target in [1, 2, 3, 4] {
+        let sequence = bench.sequence();
+        bench.say(Command::Move {
+            profile: ProfileKind::Beta,
+            staged: false,
+            target: Position::from_counts(target * COUNTS_PER_TURN / 16),
+            duration: Ticks(5_000),
+            sequence,
+        });
+        for _ in 0..200 {
+            ticks.add(bench.tick());
+        }
+    }
+    for _ in 0..6_000 {
+        bench.tick();
+    }
+    ticks.report("node.tick_overlaid");
+}
+
+/// What a move that waits for its plan adds to the frames and the tick that call it off.
+fn measure_overtaken() {
+    let (mut frames, mut ticks) = (Spread::new(), Spread::new());
+    for round in 0..3 {
+        let mut bench = Bench::enabled();
+        bench.go(3, ProfileKind::Beta);
+        for _ in 0..500 {
+            bench.tick();
+        }
+        bench.plans = false;
+        bench.decisions = Spread::new();
+        bench.go(1, ProfileKind::Trapezoid);
+        bench.go(2, ProfileKind::Beta);
+        match round {
+            0 => _ = bench.say(Command::EmergencyStop),
+            1 => _ = bench.control(Action::Disable),
+            _ => bench.beats = false,
+        }
+        for _ in 0..400 {
+            ticks.add(bench.tick());
+        }
+        frames.merge(&bench.decisions);
+    }
+    frames.report("node.handle_frame_overtaking");
+    ticks.report("node.tick_overtaking");
 }
