@@ -31,40 +31,59 @@ use heapless::Vec;
 /// period of 192 ms is 2.6 Hz for ZV, a whole one 5.2 Hz for ZVD and EI.
 pub const CAPACITY: usize = 192;
 
-/// Bits behind the point of a sum. Each of five products is at most 3 units too low, together 15 of
-/// 256: rounded to the nearest, a mean of integers stays between the least and the greatest of them.
-const SUM_BITS: u32 = 8;
+/// Bits behind the point of a sum of positions. Each of five products is at most 3 units too low,
+/// together 15 of 256: rounded to the nearest, a mean of integers stays between the least and the
+/// greatest of them.
+const POSITION_BITS: u32 = 8;
+
+/// The same for rates, whose six products are less than one unit too low each: 6 of 16.
+const RATE_BITS: u32 = 4;
+
+/// Bits behind the point of a rate's share.
+const SHARE_BITS: u32 = 31;
 
 /// The largest magnitude that is kept as it is, far beyond any travel and any limit: a difference of
-/// two, raised, is at most 2^62.
-const LARGEST: i64 = 1 << 53;
+/// two positions, raised, is below 2^62.
+const LARGEST: i64 = (1 << 53) - 1;
 
-/// A rate in 27 bits with its sign and an exponent of 5: exact below 2^26, and rounded towards zero
-/// by less than 2^-25 of its value up to [`LARGEST`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+/// A rate in 26 bits, a sign and an exponent: exact below 2^26, and rounded towards zero by less than
+/// 2^-25 of its value up to [`LARGEST`].
+///
+/// The exponent is kept as what it leaves of the largest one, which is how far a share of the digits
+/// has to be shifted back.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Short(i32);
 
 impl Short {
+    const ZERO: Self = Self(Self::LARGEST_EXPONENT as i32);
     const DIGITS: u32 = 26;
     const EXPONENT_BITS: u32 = 5;
+    /// That of [`LARGEST`].
+    const LARGEST_EXPONENT: u32 = 53 - Self::DIGITS;
 
+    #[inline(always)]
     fn new(value: i64) -> Self {
         let magnitude = value.unsigned_abs().min(LARGEST.unsigned_abs());
-        let bits = u64::BITS - magnitude.leading_zeros();
-        let exponent = bits.saturating_sub(Self::DIGITS);
+        // At least 26 bits, so that the exponent is not negative; it is below 32.
+        let zeros = (magnitude | 1 << (Self::DIGITS - 1)).leading_zeros();
+        let exponent = (u64::BITS - Self::DIGITS).wrapping_sub(zeros) & 31;
         let digits = (magnitude >> exponent) as i32;
         let digits = if value < 0 { -digits } else { digits };
-        Self(digits << Self::EXPONENT_BITS | exponent as i32)
+        Self(digits << Self::EXPONENT_BITS | (Self::LARGEST_EXPONENT - exponent) as i32)
     }
 
-    fn value(self) -> i64 {
-        let exponent = self.0 & ((1 << Self::EXPONENT_BITS) - 1);
-        i64::from(self.0 >> Self::EXPONENT_BITS) << exponent
+    /// A share of the value, raised by [`RATE_BITS`] and rounded down.
+    #[inline(always)]
+    fn share(self, share: i32) -> i64 {
+        const _: () = assert!(SHARE_BITS - RATE_BITS == Short::LARGEST_EXPONENT);
+        let digits = i64::from(self.0 >> Self::EXPONENT_BITS);
+        let left = self.0 & ((1 << Self::EXPONENT_BITS) - 1);
+        (digits * i64::from(share)) >> left
     }
 }
 
 /// A setpoint in 16 bytes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Entry {
     position: i64,
     velocity: Short,
@@ -80,16 +99,26 @@ impl Entry {
         }
     }
 
+    const fn at_rest(position: i64) -> Self {
+        Self {
+            position,
+            velocity: Short::ZERO,
+            acceleration: Short::ZERO,
+        }
+    }
+
     fn rests(&self) -> bool {
-        (self.velocity, self.acceleration) == Default::default()
+        *self == Self::at_rest(self.position)
     }
 }
 
-/// What a past setpoint counts.
+/// What a past setpoint counts; what is left of one belongs to the setpoint of now.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Tap {
     ticks: u32,
-    /// A Q64 fraction; what is left of one belongs to the setpoint of now.
+    /// For rates, raised by [`SHARE_BITS`].
+    share: i32,
+    /// For positions, a Q64 fraction.
     weight: u64,
 }
 
@@ -97,6 +126,8 @@ struct Tap {
 #[derive(Debug, Clone)]
 pub struct Shaper {
     taps: Vec<Tap, { MOST_IMPULSES - 1 }>,
+    /// The share of the setpoint of now: all of them add up to 2^31, which alone does not fit.
+    own: i32,
     past: [Entry; CAPACITY],
     /// Where the next setpoint is kept, over the oldest.
     next: usize,
@@ -108,13 +139,10 @@ pub struct Shaper {
 impl Shaper {
     /// A shaper that passes setpoints through as they are.
     pub const fn none() -> Self {
-        let rest = Entry {
-            position: 0,
-            velocity: Short(0),
-            acceleration: Short(0),
-        };
+        let rest = Entry::at_rest(0);
         Self {
             taps: Vec::new(),
+            own: i32::MAX,
             past: [rest; CAPACITY],
             next: 0,
             last: rest,
@@ -145,11 +173,18 @@ impl Shaper {
         self.taps.clear();
         let taps = shaping.map(Shaping::taps).unwrap_or_default();
         for (ticks, part) in taps.into_iter().skip(1) {
-            // 2^64 times what is below one.
-            let weight = (part * (u64::MAX as f64)) as u64;
+            // A part is below one, so 2^64 times it fits.
+            let weight = (part * 18_446_744_073_709_551_616.0) as u64;
+            let share = (weight >> (u64::BITS - SHARE_BITS)) as i32;
             // Room for all but the first: there is no error to look at.
-            let _ = self.taps.push(Tap { ticks, weight });
+            let _ = self.taps.push(Tap {
+                ticks,
+                share,
+                weight,
+            });
         }
+        let shares = self.taps.iter().map(|tap| i64::from(tap.share));
+        self.own = ((1 << SHARE_BITS) - shares.sum::<i64>()).min(i32::MAX.into()) as i32;
         self.past = [self.last; CAPACITY];
         self.unchanged = u32::MAX;
         Ok(())
@@ -181,25 +216,22 @@ impl Shaper {
         if self.taps.is_empty() {
             return setpoint;
         }
-        let (velocity, acceleration) = (now.velocity.value(), now.acceleration.value());
-        let mut sum = [0i64; 3];
+        let (mut position, mut velocity, mut acceleration) = (0, 0, 0);
         for tap in &self.taps {
-            // No tap is longer than the past, so one of the two is in it.
             let ticks = tap.ticks as usize;
-            let place = match self.next.checked_sub(ticks) {
-                Some(place) => place,
-                None => (self.next + CAPACITY).saturating_sub(ticks),
+            let before = if self.next < ticks { CAPACITY } else { 0 };
+            // No tap is longer than the past, so this is always in it.
+            let place = (self.next + before).wrapping_sub(ticks);
+            let Some(then) = self.past.get(place) else {
+                break;
             };
-            let then = self.past.get(place).unwrap_or(&now);
-            let differences = [
-                then.position - now.position,
-                then.velocity.value() - velocity,
-                then.acceleration.value() - acceleration,
-            ];
-            for (sum, difference) in sum.iter_mut().zip(differences) {
-                *sum += scale(difference << SUM_BITS, tap.weight);
-            }
+            let difference = (then.position - now.position) << POSITION_BITS;
+            position += scale(difference, tap.weight);
+            velocity += then.velocity.share(tap.share);
+            acceleration += then.acceleration.share(tap.share);
         }
+        velocity += now.velocity.share(self.own);
+        acceleration += now.acceleration.share(self.own);
         if let Some(oldest) = self.past.get_mut(self.next) {
             *oldest = now;
         }
@@ -208,13 +240,11 @@ impl Shaper {
         } else {
             0
         };
-        let half = 1 << (SUM_BITS - 1);
-        let [position_sum, velocity_sum, acceleration_sum] =
-            sum.map(|sum| (sum + half) >> SUM_BITS);
+        let nearest = |sum: i64, bits: u32| (sum + (1 << (bits - 1))) >> bits;
         Setpoint {
-            position: Position::from_counts(now.position + position_sum),
-            velocity: Velocity::from_counts(velocity + velocity_sum),
-            acceleration: Acceleration::from_counts(acceleration + acceleration_sum),
+            position: Position::from_counts(now.position + nearest(position, POSITION_BITS)),
+            velocity: Velocity::from_counts(nearest(velocity, RATE_BITS)),
+            acceleration: Acceleration::from_counts(nearest(acceleration, RATE_BITS)),
         }
     }
 
