@@ -1,5 +1,8 @@
 //! Input shaping: the mode stays at rest, limits are kept, the target and the delay are exact.
 
+#[path = "shaping/mass.rs"]
+mod mass;
+
 use canter_shared::motion::beta::{Beta, exact};
 use canter_shared::motion::shaping::{
     CAPACITY, HIGHEST_FREQUENCY, LARGEST_DAMPING, Shaped, Shaper, ShaperKind, Shaping,
@@ -10,88 +13,10 @@ use canter_shared::motion::{Setpoint, segments};
 use canter_shared::time::{Tick, Ticks};
 use canter_shared::units::{Acceleration, COUNTS_PER_TURN, Position, Velocity};
 use core::f64::consts::TAU;
+use mass::{residual, vibration};
 use proptest::prelude::*;
 
 const KINDS: [ShaperKind; 3] = [ShaperKind::Zv, ShaperKind::Zvd, ShaperKind::Ei];
-
-/// A mass on a spring whose other end follows the setpoints, held from tick to tick.
-///
-/// x'' + 2 zeta w x' + w^2 x = w^2 u has an exact step over a tick of constant u: the state's
-/// difference from (u, 0) turns and shrinks.
-struct Mass {
-    /// Its distance from rest and its velocity over the damped frequency, both from the last u.
-    position: f64,
-    velocity: f64,
-    input: f64,
-    decay: f64,
-    ratio: f64,
-    turn: (f64, f64),
-    amplitude: f64,
-}
-
-impl Mass {
-    fn new(frequency: f64, damping: f64, input: f64) -> Self {
-        let natural = TAU * frequency / 1e3;
-        let damped = natural * (1.0 - damping * damping).sqrt();
-        Self {
-            position: 0.0,
-            velocity: 0.0,
-            input,
-            decay: (-damping * natural).exp(),
-            ratio: damping * natural / damped,
-            turn: damped.sin_cos(),
-            amplitude: 0.0,
-        }
-    }
-
-    /// One tick at this input.
-    fn step(&mut self, input: f64) {
-        self.position -= input - self.input;
-        self.input = input;
-        let (sine, cosine) = self.turn;
-        let Self {
-            position: x,
-            velocity: v,
-            ratio: r,
-            ..
-        } = *self;
-        self.position = self.decay * (x * cosine + (v + r * x) * sine);
-        self.velocity = self.decay * (v * cosine - (r * v + (1.0 + r * r) * x) * sine);
-        let phase = self.velocity + r * self.position;
-        self.amplitude = self.position.hypot(phase);
-    }
-}
-
-/// What a mode still swings by, in turns, when the last of these setpoints has been given.
-fn residual(setpoints: &[Setpoint], frequency: f64, damping: f64) -> f64 {
-    let turns = |setpoint: &Setpoint| setpoint.position.counts() as f64 / COUNTS_PER_TURN as f64;
-    let mut mass = Mass::new(frequency, damping, turns(&setpoints[0]));
-    for setpoint in setpoints {
-        mass.step(turns(setpoint));
-    }
-    mass.amplitude
-}
-
-/// What is left of the swing that a unit impulse leaves, when the last impulse has come: the
-/// percentage vibration of Singer and Seering, eq. 5.
-fn vibration(shaping: &Shaping, in_ticks: bool, frequency: f64, damping: f64) -> f64 {
-    let impulses = if in_ticks {
-        shaping.impulses_in_ticks()
-    } else {
-        shaping.impulses()
-    };
-    let natural = TAU * frequency;
-    let damped = natural * (1.0 - damping * damping).sqrt();
-    let last = impulses.last().expect("impulses").time;
-    let (mut cosines, mut sines) = (0.0, 0.0);
-    for impulse in &impulses {
-        let growth = impulse.amplitude * (damping * natural * (impulse.time - last)).exp();
-        let (sine, cosine) = (damped * impulse.time).sin_cos();
-        cosines += growth * cosine;
-        sines += growth * sine;
-    }
-    f64::hypot(cosines, sines)
-}
 
 /// A beta move's setpoints, from the tick before it leaves until `after` ticks at rest.
 fn beta(range: i64, duration: u32, after: u32) -> Vec<Setpoint> {
