@@ -368,6 +368,19 @@ fn a_shaper_is_changed_at_rest_only() {
 }
 
 #[test]
+fn a_shaper_forgets_where_the_axis_was_while_setpoints_passed() {
+    let zv = Shaping::new(ShaperKind::Zv, 10.0, 0.05).expect("in range");
+    let mut shaper = Shaper::none();
+    let setpoints = beta(COUNTS_PER_TURN, 300, 1);
+    shaped(&mut shaper, &setpoints);
+    shaper.change(Some(&zv)).expect("at rest");
+    let rest = setpoints[setpoints.len() - 1];
+    for _ in 0..=CAPACITY {
+        assert_eq!(shaper.shape(rest), rest);
+    }
+}
+
+#[test]
 fn errors_name_field_value_range_and_cure() {
     let says = |kind, frequency, damping| {
         Shaping::new(kind, frequency, damping)
@@ -389,7 +402,7 @@ fn errors_name_field_value_range_and_cure() {
          what is damped more needs no shaper"
     );
     for kind in KINDS {
-        for damping in [0.0, 0.2, LARGEST_DAMPING] {
+        for damping in (0..=5_000).map(|part| LARGEST_DAMPING * f64::from(part) / 5e3) {
             let lowest = kind.lowest_frequency(damping);
             let shaping = Shaping::new(kind, lowest, damping).expect("the lowest itself");
             assert!(shaping.delay().0 as usize <= CAPACITY);

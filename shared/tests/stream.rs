@@ -376,6 +376,22 @@ fn knots_are_counted_and_their_places_are_whole_periods() {
     );
 }
 
+/// What stops a stream that has run dry goes on from the acceleration that its curve ended with.
+#[test]
+fn a_late_refusal_does_not_change_the_acceleration_at_the_end() {
+    let limits = limits();
+    let at = |number: u64| sines(number as f64 * 0.02, 0.5);
+    let mut stream = Stream::new(START, 0, at(0), period(20));
+    let pushed = stream.push(START, 1, &knot(at(1), false), &limits);
+    assert_eq!(pushed, Ok(Pushed::Accepted { missing: 0 }));
+    let ends = stream.ends();
+    let end = stream.at(ends);
+    assert!(end.acceleration != Acceleration::ZERO);
+    let error = stream.push(ends, 2, &knot(at(40), false), &limits);
+    assert!(error.is_err());
+    assert_eq!((stream.ends(), stream.at(ends)), (ends, end));
+}
+
 #[test]
 fn refusals_name_the_limit_and_change_nothing() {
     let limits = limits();

@@ -3,8 +3,8 @@
 //! A host that plans as it goes sends where to be, how fast, and perhaps with which acceleration,
 //! once every period. Between two knots runs the polynomial that has both their values: a cubic for
 //! position and velocity, a quintic where both know their acceleration (Biagiotti and Melchiorri,
-//! Trajectory Planning for Automatic Machines and Robots, sections 2.1.4 and 2.1.7). So setpoints are
-//! continuous in velocity, and in acceleration between quintics.
+//! Trajectory Planning for Automatic Machines and Robots, chapter 2). So setpoints are continuous in
+//! velocity, and in acceleration between quintics.
 //!
 //! A knot is taken on only if its whole piece keeps the limits and the axis can still stop inside
 //! the travel from there. Limits are strict: a host that streams at a limit must leave room for

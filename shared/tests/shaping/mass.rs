@@ -64,7 +64,7 @@ pub fn residual(setpoints: &[Setpoint], frequency: f64, damping: f64) -> f64 {
 }
 
 /// What is left of the swing that a unit impulse leaves, when the last impulse has come: the
-/// percentage vibration of Singer and Seering, eq. 5.
+/// percentage vibration of Singer and Seering.
 pub fn vibration(shaping: &Shaping, in_ticks: bool, frequency: f64, damping: f64) -> f64 {
     let impulses = if in_ticks {
         shaping.impulses_in_ticks()

@@ -96,7 +96,8 @@ fn undamped(damping: f64) -> f64 {
 }
 
 /// An angle from zero to `whole`, where what rounding leaves near either of them means that one: half
-/// a period of whole ticks is then one impulse and not two.
+/// a period of whole ticks is then one impulse and not two, and the last one at the lowest frequency
+/// not a tick too late.
 fn snap(angle: f64, whole: f64) -> f64 {
     const ROUNDING: f64 = 1e-12;
     if angle < whole * ROUNDING {
@@ -258,9 +259,7 @@ impl Shaping {
     pub(super) fn taps(&self) -> Vec<Tap, MOST_IMPULSES> {
         let turn = TAU * self.frequency / TICKS_PER_SECOND as f64;
         let (angle, decay) = (turn * undamped(self.damping), turn * self.damping);
-        // At the lowest frequency rounding could ask for one tick more than there are.
-        let most = CAPACITY as u32 / self.kind.half_periods() - 1;
-        let early = (libm::floor(PI / angle) as u32).min(most);
+        let early = libm::floor(PI / angle) as u32;
         let late = early + 1;
         let alpha = snap(PI - f64::from(early) * angle, angle);
         let beta = angle - alpha;

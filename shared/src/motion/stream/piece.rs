@@ -1,9 +1,9 @@
 //! One Hermite piece between two knots, in integers: its Bernstein form, its limits, its values.
 //!
 //! A polynomial in Bernstein form stays between the least and the greatest of its control values
-//! (convex hull; Farin, Curves and Surfaces for CAGD, 5th ed., section 5.1). So the limits are held
-//! against control values. Where those say too much, de Casteljau's halving brings them closer to the
-//! curve by four each time.
+//! (the convex hull property; Farin, Curves and Surfaces for CAGD). So the limits are held against
+//! control values. Where those say too much, de Casteljau's halving brings them closer to the curve
+//! by four each time.
 
 use super::{Breach, LONGEST_PIECE, Place};
 use crate::limits::Limits;
