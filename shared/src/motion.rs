@@ -13,6 +13,8 @@
 //! | `trapezoid` | constant acceleration, cruise, constant deceleration |
 //! | `stop` | the controlled stop from any state |
 //! | `retarget` | whether beta moves laid over each other keep the limits |
+//! | `shaping` | setpoints that leave a mode of the machine at rest |
+//! | `stream` | knots at a fixed period, and the curves between them |
 //! | `phase` | a polynomial piece in integers |
 //! | `fixed` | 64-bit fractions |
 
@@ -23,7 +25,9 @@ mod fixed;
 mod phase;
 mod retarget;
 pub mod segments;
+pub mod shaping;
 mod stop;
+pub mod stream;
 pub mod trajectory;
 pub mod trapezoid;
 

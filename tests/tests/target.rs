@@ -270,3 +270,25 @@ fn keeps_its_limits(records: &[Record]) {
         assert!(change <= 2.0 * jerk * 1e-3, "{pair:?}");
     }
 }
+
+/// A tick evaluates a stream or shapes a setpoint; a knot is looked at when its frame comes.
+#[test]
+fn streams_and_shapers_keep_their_budget_of_instructions() {
+    let results = run("measure_stream");
+    for name in ["stream.cubic.at", "stream.quintic.at", "shaping.shape"] {
+        holds(&results, &format!("{name}.most"), 600);
+    }
+    for name in ["cubic", "quintic", "hostile"] {
+        holds(&results, &format!("stream.{name}.push.most"), 8_000);
+    }
+    // Some of the hostile knots must have been taken on, or only refusals were measured.
+    assert!(results["stream.hostile.accepted"] > 1_000, "{results:?}");
+    holds(&results, "shaping.change", 20_000);
+    holds(&results, "shaping.reset", 1_500);
+    for (name, bound) in [("stream.bytes", 640), ("shaping.bytes", 3_200)] {
+        let bytes = results[name];
+        let bounded = format!("<= {bound}");
+        measurement("target", name, &format!("{bytes} bytes"), &bounded);
+        assert!(bytes <= bound, "{name}: {bytes} is over {bound}");
+    }
+}
