@@ -11,6 +11,7 @@
 //! | `segments` | pieces of constant jerk in f64 |
 //! | `beta` | the beta S-curve, integers and f64 |
 //! | `trapezoid` | constant acceleration, cruise, constant deceleration |
+//! | `polynomial` | cubic, quintic and septic between boundary values |
 //! | `stop` | the controlled stop from any state |
 //! | `retarget` | whether beta moves laid over each other keep the limits |
 //! | `phase` | a polynomial piece in integers |
@@ -21,6 +22,7 @@ pub mod bounds;
 pub mod error;
 mod fixed;
 mod phase;
+pub mod polynomial;
 mod retarget;
 pub mod segments;
 mod stop;

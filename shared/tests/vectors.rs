@@ -4,5 +4,6 @@
 mod vectors {
     mod beta;
     mod csv;
+    mod polynomial;
     mod trapezoid;
 }
