@@ -41,7 +41,7 @@ impl Curve {
     /// [`ProfileError::Value`] for a p that is not from 2 to 5.
     pub fn new(p: f64) -> Result<Self, ProfileError> {
         let p = checked("p", p, LEAST_P, GREATEST_P)?;
-        let half = Self { p, scale: 1.0 }.from_end(0.5);
+        let half = Self { p, scale: 1.0 }.covered(0.5);
         // F(1/2) is 1/2, which makes up for the beta function.
         Ok(Self {
             p,
@@ -69,7 +69,7 @@ impl Curve {
     }
 
     /// F at u in [0, 1/2], the fraction of the duration since the nearer end.
-    fn from_end(&self, u: f64) -> f64 {
+    fn covered(&self, u: f64) -> f64 {
         let mut power = 1.0;
         let mut sum = 0.0;
         for k in 0..MOST_TERMS {
@@ -175,7 +175,7 @@ impl Trajectory for Profile {
         let first_half = time < left;
         let u = self.rate * if first_half { time } else { left };
         let range = self.to - self.from;
-        let way = range * self.curve.from_end(u);
+        let way = range * self.curve.covered(u);
         let x = if first_half {
             2.0 * u - 1.0
         } else {
