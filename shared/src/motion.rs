@@ -10,6 +10,7 @@
 //! | `bounds`, `error` | its limits, and why it cannot be made |
 //! | `segments` | pieces of constant jerk in f64 |
 //! | `beta` | the beta S-curve, integers and f64 |
+//! | `s_curve` | time-optimal with a limit of jerk, from state to state |
 //! | `trapezoid` | constant acceleration, cruise, constant deceleration |
 //! | `stop` | the controlled stop from any state |
 //! | `retarget` | whether beta moves laid over each other keep the limits |
@@ -22,6 +23,7 @@ pub mod error;
 mod fixed;
 mod phase;
 mod retarget;
+pub mod s_curve;
 pub mod segments;
 mod stop;
 pub mod trajectory;
