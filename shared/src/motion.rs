@@ -10,6 +10,7 @@
 //! | `bounds`, `error` | its limits, and why it cannot be made |
 //! | `segments` | pieces of constant jerk in f64 |
 //! | `beta` | the beta S-curve, integers and f64 |
+//! | `s_curve` | time-optimal with a limit of jerk, from state to state |
 //! | `trapezoid` | constant acceleration, cruise, constant deceleration |
 //! | `polynomial` | cubic, quintic and septic between boundary values |
 //! | `stop` | the controlled stop from any state |
@@ -24,6 +25,7 @@ mod fixed;
 mod phase;
 pub mod polynomial;
 mod retarget;
+pub mod s_curve;
 pub mod segments;
 mod stop;
 pub mod trajectory;
