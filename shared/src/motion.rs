@@ -13,12 +13,15 @@
 //! | `s_curve` | time-optimal with a limit of jerk, from state to state |
 //! | `trapezoid` | constant acceleration, cruise, constant deceleration |
 //! | `polynomial` | cubic, quintic and septic between boundary values |
+//! | `bezier` | Bezier curves up to degree 16 |
+//! | `sync` | several axes that arrive together, or on a straight line |
 //! | `stop` | the controlled stop from any state |
 //! | `retarget` | whether beta moves laid over each other keep the limits |
 //! | `phase` | a polynomial piece in integers |
 //! | `fixed` | 64-bit fractions |
 
 pub mod beta;
+pub mod bezier;
 pub mod bounds;
 pub mod error;
 mod fixed;
@@ -28,6 +31,7 @@ mod retarget;
 pub mod s_curve;
 pub mod segments;
 mod stop;
+pub mod sync;
 pub mod trajectory;
 pub mod trapezoid;
 

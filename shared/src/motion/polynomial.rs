@@ -11,7 +11,7 @@
 //! and Robots, 2008, section 2.1). A polynomial is held twice, expanded about either end, and
 //! evaluated from the nearer one, so that both ends are exact.
 
-mod peaks;
+pub(super) mod peaks;
 mod within;
 
 use super::bounds::{LARGEST, SMALLEST, checked_position, checked_rate};

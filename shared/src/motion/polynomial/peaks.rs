@@ -7,10 +7,10 @@
 use crate::motion::trajectory::Peaks;
 use heapless::Vec;
 
-/// Coefficients that a polynomial may have.
-const MOST_COEFFICIENTS: usize = 8;
+/// The highest degree that is looked at.
+pub const HIGHEST_DEGREE: usize = 16;
 /// Roots in (0, 1), and the ends 0 and 1.
-type Points = Vec<f64, { MOST_COEFFICIENTS + 2 }>;
+type Points = Vec<f64, { HIGHEST_DEGREE + 2 }>;
 
 /// Halvings that bring an interval of [0, 1] down to what an f64 tells apart near 1.
 const HALVINGS: usize = 53;
@@ -29,23 +29,21 @@ fn derivative(coefficients: &[f64], order: usize, u: f64) -> f64 {
     sum
 }
 
-/// 0, where the derivative of `order` changes its sign, and 1; `turns` are the same of the next
-/// higher one.
-fn roots(coefficients: &[f64], order: usize, turns: &Points) -> Points {
+/// 0, where `at` changes its sign, and 1; between two `turns` it is monotone.
+fn roots(at: impl Fn(f64) -> f64, turns: &Points) -> Points {
     let mut points = Points::new();
-    // A polynomial of N coefficients has fewer roots than there is room for.
+    // A polynomial has no more roots than there is room for.
     let mut add = |point| points.push(point).is_ok();
     add(0.0);
-    let at = |u| derivative(coefficients, order, u);
     for (&low, &high) in turns.iter().zip(turns.iter().skip(1)) {
         let (mut low, mut high) = (low, high);
-        let rising = at(high) > at(low);
-        if (at(low) > 0.0) == (at(high) > 0.0) {
+        let rises_above = at(high) > 0.0;
+        if (at(low) > 0.0) == rises_above {
             continue;
         }
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
-            if (at(middle) > 0.0) == rising {
+            if (at(middle) > 0.0) == rises_above {
                 high = middle;
             } else {
                 low = middle;
@@ -57,24 +55,31 @@ fn roots(coefficients: &[f64], order: usize, turns: &Points) -> Points {
     points
 }
 
-/// The largest first, second and third derivative over [0, 1], without their sign.
-pub fn unit(coefficients: &[f64]) -> Peaks {
+/// The largest first, second and third derivative over [0, 1], without their sign, of a polynomial
+/// of a `degree` up to [`HIGHEST_DEGREE`] whose derivative of an order at u `derivative` tells.
+pub fn of(degree: usize, derivative: impl Fn(usize, f64) -> f64) -> Peaks {
     let mut turns = Points::new();
     turns.extend([0.0, 1.0]);
     let mut peaks = Peaks::default();
-    // From the highest derivative down; `turns` are those of the derivative below.
-    for order in (1..coefficients.len()).rev() {
-        let largest = turns
-            .iter()
-            .map(|&u| derivative(coefficients, order, u).abs())
-            .fold(0.0, f64::max);
+    // From the highest derivative down; `turns` are the roots of the one before.
+    for order in (1..=degree).rev() {
+        let at = |u| derivative(order, u);
+        let largest = turns.iter().map(|&u| at(u).abs()).fold(0.0, f64::max);
         match order {
             1 => peaks.velocity = largest,
             2 => peaks.acceleration = largest,
             3 => peaks.jerk = largest,
             _ => {}
         }
-        turns = roots(coefficients, order, &turns);
+        if order > 1 {
+            turns = roots(at, &turns);
+        }
     }
     peaks
+}
+
+/// The same of a polynomial with these coefficients, from the lowest power up.
+pub fn unit(coefficients: &[f64]) -> Peaks {
+    let degree = coefficients.len().saturating_sub(1);
+    of(degree, |order, u| derivative(coefficients, order, u))
 }
