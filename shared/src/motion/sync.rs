@@ -107,8 +107,8 @@ pub fn s_curve<const N: usize>(axes: &[Axis]) -> Result<Vec<Segments, N>, Profil
 }
 
 /// The limits of the unit move from 0 to 1 that all axes share: of each limit the least over the
-/// axes of limit / range. An axis that stays where it is does not count; where none moves, nor
-/// where a range is so short, a limit is over 1e15.
+/// axes of limit / range, and at most 1e15. An axis that stays where it is does not count, but that a
+/// limit of its jerk is one for all.
 ///
 /// # Errors
 /// [`ProfileError::Value`] for a position that is not a number or beyond 1e15, and for a limit that
@@ -120,13 +120,12 @@ pub fn shared_bounds(axes: &[Axis]) -> Result<Bounds, ProfileError> {
         let range = (checked_position("stop position", *to)?
             - checked_position("start position", *from)?)
         .abs();
-        if range > 0.0 {
-            velocity = velocity.min(bounds.velocity() / range);
-            acceleration = acceleration.min(bounds.acceleration() / range);
-            deceleration = deceleration.min(bounds.deceleration() / range);
-            if bounds.jerk().is_finite() {
-                jerk = jerk.min((bounds.jerk() / range).min(LARGEST));
-            }
+        // Without a range a limit is infinite, and not the least.
+        velocity = velocity.min(bounds.velocity() / range);
+        acceleration = acceleration.min(bounds.acceleration() / range);
+        deceleration = deceleration.min(bounds.deceleration() / range);
+        if bounds.jerk().is_finite() {
+            jerk = jerk.min(bounds.jerk() / range).min(LARGEST);
         }
     }
     Bounds::new(velocity, acceleration, deceleration, jerk)

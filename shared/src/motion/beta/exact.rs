@@ -172,12 +172,19 @@ impl Profile {
     }
 
     fn new(from: f64, to: f64, duration: f64) -> Self {
+        // A duration so short that it has no reciprocal is that of a range that is nothing.
+        let rate = 1.0 / duration;
+        let (duration, rate) = if rate.is_finite() {
+            (duration, rate)
+        } else {
+            (0.0, 0.0)
+        };
         Self {
             from,
             to,
             range: to - from,
             duration,
-            rate: if duration > 0.0 { 1.0 / duration } else { 0.0 },
+            rate,
         }
     }
 

@@ -1,6 +1,6 @@
 //! The least duration in which a polynomial keeps its limits.
 
-use super::{Cubic, Hermite, Polynomial, Quintic, Rates, Septic, checked_ends, peaks};
+use super::{Cubic, Hermite, Polynomial, Quintic, Rates, Septic, checked_ends, horner, peaks};
 use crate::motion::bounds::{Bounds, LARGEST, SMALLEST};
 use crate::motion::error::{ProfileError, checked};
 use crate::motion::trajectory::{Peaks, Sample};
@@ -32,10 +32,11 @@ const ROUNDING: f64 = 1e-12;
 /// Each duration that is tried is that much longer than the one before. A window of durations
 /// that is narrower may be missed, and a longer duration found.
 const STEP: f64 = 1.01;
-/// How far the search goes beyond the longest time that limits and boundary values name.
-const FARTHEST: f64 = 1e4;
-/// Durations that are tried at most: 100 decades would be 23 000 steps of 1 %.
-const MOST_STEPS: usize = 30_000;
+/// How far the search goes beyond the longest time that limits and boundary values name; and below
+/// the shortest of them where mean rates say nothing.
+const FARTHEST: f64 = 100.0;
+/// Places at which a duration is looked at before its peaks are computed.
+const GLANCES: u32 = 16;
 
 impl Cubic {
     /// The quickest cubic within the limits of velocity and acceleration.
@@ -173,20 +174,41 @@ impl<const N: usize> Polynomial<N> {
         }
         let worst = |duration: f64| {
             let (start, stop) = (Rates::scaled(&from, duration), Rates::scaled(&to, duration));
-            let unit = peaks::unit(&unit(distance, start, stop));
+            let unit = unit(distance, start, stop);
             let square = duration * duration;
-            Worst::of(
-                &Peaks {
-                    velocity: unit.velocity / duration,
-                    acceleration: unit.acceleration / square,
-                    jerk: unit.jerk / (square * duration),
-                },
-                bounds,
-            )
+            let against = |peaks: Peaks| {
+                Worst::of(
+                    &Peaks {
+                        velocity: peaks.velocity / duration,
+                        acceleration: peaks.acceleration / square,
+                        jerk: peaks.jerk / (square * duration),
+                    },
+                    bounds,
+                )
+            };
+            // Most durations are ruled out by a glance, which is much quicker.
+            let glance = against(glance(&unit));
+            if glance.kept() {
+                against(peaks::unit(&unit))
+            } else {
+                glance
+            }
         };
         let duration = search(&from, &to, bounds, worst)?;
         Self::hermite(from, to, duration, unit)
     }
+}
+
+/// The largest rates at a few places, which are not over the peaks.
+fn glance(coefficients: &[f64]) -> Peaks {
+    let mut seen = Peaks::default();
+    for place in 0..=GLANCES {
+        let at = horner(coefficients, f64::from(place) / f64::from(GLANCES));
+        seen.velocity = seen.velocity.max(at.velocity.abs());
+        seen.acceleration = seen.acceleration.max(at.acceleration.abs());
+        seen.jerk = seen.jerk.max(at.jerk.abs());
+    }
+    seen
 }
 
 /// The least duration of which `worst` says that the limits are kept.
@@ -231,8 +253,14 @@ fn search(
     if nearest.kept() {
         return Ok(first);
     }
-    let (mut low, mut high) = (first, first);
-    for _ in 0..MOST_STEPS {
+    let farthest = (longest * FARTHEST).min(LARGEST / STEP);
+    let mut low;
+    let mut high = first;
+    // The end is a bounded number of decades away, so this comes to it.
+    loop {
+        if high >= farthest {
+            return Err(nearest.error());
+        }
         low = high;
         high *= STEP;
         let found = worst(high);
@@ -242,12 +270,6 @@ fn search(
         if found.ratio < nearest.ratio {
             nearest = found;
         }
-        if high > longest * FARTHEST || high >= LARGEST / STEP {
-            return Err(nearest.error());
-        }
-    }
-    if !worst(high).kept() {
-        return Err(nearest.error());
     }
     for _ in 0..52 {
         let middle = 0.5 * (low + high);
