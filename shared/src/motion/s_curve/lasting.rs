@@ -14,11 +14,12 @@
 //! motions that keep the limits keeps them too.
 
 use super::brake::brake;
-use super::lobes::{Lobes, Upward, change_peak, change_time};
-use super::root::{Curve, root};
+use super::lobes::{Lobes, change_peak, change_time};
+use super::root::{CORNERED, Curve, root};
 use super::unit::{Piece, Pieces, Range, State};
+use super::upward::Upward;
 use super::{Side, SignedBounds, checked_start, side};
-use crate::motion::bounds::checked_position;
+use crate::motion::bounds::LARGEST;
 use crate::motion::error::{ProfileError, checked};
 use crate::motion::segments::Segments;
 use crate::motion::trajectory::Sample;
@@ -41,17 +42,16 @@ pub fn lasting(
     bounds: &SignedBounds,
 ) -> Result<Segments, ProfileError> {
     let outside = checked_start(from, target, bounds)?;
-    checked_position("target", target)?;
-    checked("duration", duration, 0.0, f64::MAX)?;
+    checked("duration", duration, 0.0, LARGEST)?;
     let jerk = bounds.jerk();
-    let range = Range::new(bounds);
+    let range = Range::new(bounds, from.position, target);
     let mut pieces = Pieces::default();
     let state = brake(outside, &range, &mut pieces);
     let braked = pieces.duration();
     let left = jerk * duration - braked;
     let (up, sign) = match side(state, 0.0, &range) {
         Side::Above(up, sign) => (up, sign),
-        Side::There => (Upward::new(state, 0.0, -state.position, &range), 0.0),
+        Side::There(up) => (up, 0.0),
     };
     let quickest = if sign == 0.0 {
         up.direct()
@@ -87,17 +87,9 @@ struct Slower {
 }
 
 impl Slower {
-    /// The change of velocity to `velocity`.
-    fn change(&self, velocity: f64) -> Upward {
-        Upward {
-            v1: velocity,
-            ..self.up
-        }
-    }
-
     /// What is left of the time for a cruise at `velocity`.
     fn cruise(&self, velocity: f64) -> f64 {
-        let change = self.change(velocity).direct().duration(self.up.a0);
+        let change = self.up.to_velocity(velocity).direct().duration(self.up.a0);
         self.time - change - change_time(velocity, self.up.range.fall)
     }
 
@@ -112,7 +104,7 @@ impl Slower {
         } = self.up;
         let curve = |velocity: f64| {
             let stop = Triangle::new(velocity, range.fall);
-            let (change, turn, sign) = if self.change(velocity).rises() {
+            let (change, turn, sign) = if self.up.to_velocity(velocity).rises() {
                 (Triangle::new(velocity - begin, range.rise), a0, -1.0)
             } else {
                 let top = begin + a0 * a0;
@@ -141,13 +133,16 @@ impl Slower {
         if highest <= 0.0 || curve(highest).value < 0.0 {
             return None;
         }
-        let velocity = root(0.0, highest, reach / self.time, curve);
+        let velocity = root(0.0, highest, reach / self.time, CORNERED, curve);
         (self.cruise(velocity) >= 0.0).then_some(velocity)
     }
 
     /// Lays the motion that cruises at `velocity`.
     fn lay(&self, velocity: f64, sign: f64, pieces: &mut Pieces) {
-        self.change(velocity).direct().lay(self.up.a0, sign, pieces);
+        self.up
+            .to_velocity(velocity)
+            .direct()
+            .lay(self.up.a0, sign, pieces);
         pieces.push(Piece::cruise(self.cruise(velocity), sign * velocity));
         let (trough, trough_hold) = change_peak(velocity, self.up.range.fall);
         let stop = Lobes {
@@ -171,9 +166,7 @@ impl Slower {
         self.up.direct().lay(a0, 1.0, &mut near);
         self.up.farthest(self.time).lay(a0, 1.0, &mut far);
         let (nearest, farthest) = (near.carry(state).position, far.carry(state).position);
-        let share = ((distance - nearest) / (farthest - nearest))
-            .max(0.0)
-            .min(1.0);
+        let share = ((distance - nearest) / (farthest - nearest)).clamp(0.0, 1.0);
         let mut acceleration = a0;
         let (mut near, mut far) = (Stretch::new(&near), Stretch::new(&far));
         let mut left = self.time;

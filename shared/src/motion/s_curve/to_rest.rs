@@ -1,11 +1,11 @@
 //! To rest at a target, and down to the velocity limit without passing it.
 
 use super::brake::brake;
-use super::lobes::{Lobes, Upward, change_peak, change_time};
-use super::root::{Curve, root};
+use super::lobes::{Lobes, change_peak, change_time};
+use super::root::{CORNERED, Curve, root};
 use super::unit::{Piece, Pieces, Range, State};
+use super::upward::Upward;
 use super::{Side, SignedBounds, change, checked_start, quickest, release, side};
-use crate::motion::bounds::checked_position;
 use crate::motion::error::ProfileError;
 use crate::motion::segments::Segments;
 use crate::motion::trajectory::Sample;
@@ -14,25 +14,19 @@ use crate::motion::trajectory::Sample;
 ///
 /// A start that is above the velocity limit, or would be once its acceleration is released, comes
 /// down to the limit in one change of velocity and stays there until it must stop for the target.
-/// [`super::time_optimal`] is quicker by a little: it passes the limit with all its deceleration,
-/// goes below it and comes up again. Where the target is too near to get to the limit, the velocity
-/// comes down in two steps or in one, and never rises. From all other starts, and where the target
-/// has been missed already, the motion is the time-optimal one.
+/// [`super::time_optimal`] passes the limit with all its deceleration, goes below it and comes up
+/// again, as Ruckig does, and is a little slower. Where the target is too near to get to the
+/// limit, the velocity comes down in two steps or in one, and never rises. From all other starts,
+/// and where the target has been missed already, the motion is that of `time_optimal`.
 ///
 /// # Errors
 /// A value that is not a number or too large.
 pub fn to_rest(from: Sample, target: f64, bounds: &SignedBounds) -> Result<Segments, ProfileError> {
     let start = checked_start(from, target, bounds)?;
-    checked_position("target", target)?;
-    let range = Range::new(bounds);
+    let range = Range::new(bounds, from.position, target);
     let pieces = without_dip(start, 1.0, &range)
         .or_else(|| without_dip(start.mirrored(), -1.0, &range.mirrored()))
-        .unwrap_or_else(|| {
-            let mut pieces = Pieces::default();
-            let inside = brake(start, &range, &mut pieces);
-            quickest(inside, 0.0, &range, &mut pieces);
-            pieces
-        });
+        .unwrap_or_else(|| quickest(start, 0.0, &range));
     Ok(pieces.join(from, Sample::at_rest(target), bounds.jerk()))
 }
 
@@ -77,20 +71,16 @@ fn without_dip(start: State, sign: f64, range: &Range) -> Option<Pieces> {
 fn two_steps(up: &Upward) -> Option<f64> {
     let range = up.range;
     let curve = |velocity: f64| {
-        let change = Upward {
-            v1: velocity,
-            ..*up
-        };
         let stop = velocity / 2.0 * change_time(velocity, range.fall);
         Curve {
-            value: change.direct_reach() + stop - up.reach,
+            value: up.to_velocity(velocity).direct_reach().0 + stop - up.reach,
             // Halving is enough here: such a start is rare.
             slope: 0.0,
             curvature: 0.0,
         }
     };
     (curve(0.0).value <= 0.0 && curve(range.highest).value >= 0.0)
-        .then(|| root(0.0, range.highest, range.highest / 2.0, curve))
+        .then(|| root(0.0, range.highest, range.highest / 2.0, CORNERED, curve))
 }
 
 /// Lays a stop from `velocity`, without acceleration.
