@@ -78,31 +78,41 @@ impl Bezier {
                 [] => return at,
                 _ => {}
             }
-            points = divided(&points, u, rest);
+            divide(&mut points, u, rest);
         }
     }
 
-    /// The derivative of `order` at u over the degree's falling factorial, which changes no root.
-    fn difference(&self, order: usize, u: f64) -> f64 {
+    /// The points of the derivative of `order`, over the degree's falling factorial.
+    fn differences(&self, order: usize) -> Points {
         let mut points = self.points.clone();
         for _ in 0..order {
-            points = points
-                .iter()
-                .zip(points.iter().skip(1))
-                .map(|(a, b)| b - a)
-                .collect();
+            let neighbours = points.iter().zip(points.iter().skip(1));
+            points = neighbours.map(|(a, b)| b - a).collect();
         }
-        while points.len() > 1 {
-            points = divided(&points, u, 1.0 - u);
-        }
-        points.first().copied().unwrap_or(0.0)
+        points
     }
 }
 
-/// The next level: the lines between neighbours, divided at u.
-fn divided(points: &Points, u: f64, rest: f64) -> Points {
-    let lines = points.iter().zip(points.iter().skip(1));
-    lines.map(|(a, b)| rest * a + u * b).collect()
+/// The next level: each point goes to where the line to its neighbour is divided at u, and the
+/// last, which has none, goes away.
+fn divide(points: &mut Points, u: f64, rest: f64) {
+    let mut left = points.as_mut_slice();
+    while let [point, others @ ..] = left {
+        if let Some(next) = others.first() {
+            *point = rest * *point + u * next;
+        }
+        left = others;
+    }
+    points.pop();
+}
+
+/// The curve of these points at u.
+fn value(points: &Points, u: f64) -> f64 {
+    let mut points = points.clone();
+    while points.len() > 1 {
+        divide(&mut points, u, 1.0 - u);
+    }
+    points.first().copied().unwrap_or(0.0)
 }
 
 impl Trajectory for Bezier {
@@ -139,7 +149,10 @@ impl Trajectory for Bezier {
     /// Found between the roots of the derivatives, all the way down from the highest.
     fn peaks(&self) -> Peaks {
         let degree = self.degree();
-        let unit = peaks::of(degree, |order, u| self.difference(order, u));
+        let unit = peaks::of(degree, |order| {
+            let points = self.differences(order);
+            move |u| value(&points, u)
+        });
         let [first, second, third] =
             [0, 1, 2].map(|step| degree.saturating_sub(step) as f64 / self.duration);
         Peaks {
