@@ -55,8 +55,14 @@ impl Forward {
         };
         let (start, stop) = (self.start * self.start, self.stop * self.stop);
         let straight = (stop - start) / (2.0 * rate);
-        let scale = self.size + (stop + start) / (2.0 * rate.abs());
-        (self.distance - straight, ROUNDING * scale)
+        // Equal velocities leave nothing to round.
+        let ramps = if straight == 0.0 {
+            0.0
+        } else {
+            (stop + start) / (2.0 * rate.abs())
+        };
+        let rounding = f64::EPSILON * self.size + ROUNDING * ramps;
+        (self.distance - straight, rounding)
     }
 
     /// The quickest phases that go `beyond` the straight ramp, which is not negative.
