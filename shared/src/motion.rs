@@ -10,7 +10,11 @@
 //! | `bounds`, `error` | its limits, and why it cannot be made |
 //! | `segments` | pieces of constant jerk in f64 |
 //! | `beta` | the beta S-curve, integers and f64 |
+//! | `s_curve` | time-optimal with a limit of jerk, from state to state |
 //! | `trapezoid` | constant acceleration, cruise, constant deceleration |
+//! | `polynomial` | cubic, quintic and septic between boundary values |
+//! | `bezier` | Bezier curves up to degree 16 |
+//! | `sync` | several axes that arrive together, or on a straight line |
 //! | `stop` | the controlled stop from any state |
 //! | `retarget` | whether beta moves laid over each other keep the limits |
 //! | `shaping` | setpoints that leave a mode of the machine at rest |
@@ -19,15 +23,19 @@
 //! | `fixed` | 64-bit fractions |
 
 pub mod beta;
+pub mod bezier;
 pub mod bounds;
 pub mod error;
 mod fixed;
 mod phase;
+pub mod polynomial;
 mod retarget;
+pub mod s_curve;
 pub mod segments;
 pub mod shaping;
 mod stop;
 pub mod stream;
+pub mod sync;
 pub mod trajectory;
 pub mod trapezoid;
 

@@ -2,6 +2,7 @@
 
 use canter_shared::limits::{DEFAULT_VALUES, LimitValues, Limits};
 use canter_shared::motion::beta::{Beta, exact};
+use canter_shared::motion::trajectory::Trajectory;
 use canter_shared::motion::trapezoid::Trapezoid;
 use canter_shared::motion::{Motion, Move, Profile, Setpoint};
 use canter_shared::time::{Tick, Ticks};
@@ -103,7 +104,7 @@ proptest! {
         let tick = (f64::from(duration) * part) as u32;
         let got = beta.at(Tick(u64::from(tick)));
         let seconds = f64::from(duration) / 1e3;
-        let want = exact::Profile::with_duration(0.0, range.radians(), seconds)
+        let want = exact::Profile::lasting(0.0, range.radians(), seconds)
             .expect("valid")
             .at(f64::from(tick) / 1e3);
         let peak_velocity = beta.peak_velocity().radians();

@@ -76,3 +76,28 @@ pub trait Trajectory {
     /// The largest magnitudes from start to end.
     fn peaks(&self) -> Peaks;
 }
+
+/// A trajectory that starts at a time of its own.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Starting<T> {
+    /// When it starts, in seconds.
+    pub start: f64,
+    /// What happens from then on.
+    pub trajectory: T,
+}
+
+impl<T: Trajectory> Trajectory for Starting<T> {
+    /// Seconds from its own start to its end.
+    fn duration(&self) -> f64 {
+        self.trajectory.duration()
+    }
+
+    /// The motion at `time` on the clock that `start` is told in.
+    fn at(&self, time: f64) -> Sample {
+        self.trajectory.at(time - self.start)
+    }
+
+    fn peaks(&self) -> Peaks {
+        self.trajectory.peaks()
+    }
+}

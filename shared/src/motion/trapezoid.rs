@@ -3,6 +3,10 @@
 //! With phases of n_a, n_c and n_d ticks the cruise velocity over a range R is
 //! v = 2 R / (n_a + 2 n_c + n_d), the accelerations are v / n_a and v / n_d. All phases are whole
 //! ticks, so every phase change falls on a setpoint, and position is exactly continuous there.
+//!
+//! [`Trapezoid`] is the device's, in integers; [`exact`] is in f64, from and to any velocity.
+
+pub mod exact;
 
 use super::phase::{Entry, Phase};
 use super::stop::ROUNDING_MARGIN;
