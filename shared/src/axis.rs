@@ -15,6 +15,7 @@
 //! |---|---|
 //! | `command` | what each command does, and its answer |
 //! | `commander` | who holds the axis |
+//! | `prepared` | what is told ahead of a move |
 //! | `planning` | changes of motion: decided, planned, committed |
 //! | `course` | the motion under way, and the one that takes over |
 //! | `supervision` | drive and host watched; the state machine |
@@ -26,6 +27,7 @@ mod commander;
 mod course;
 pub mod fault;
 mod planning;
+mod prepared;
 pub mod state;
 mod supervision;
 mod telemetry;
@@ -44,6 +46,7 @@ use commander::Commander;
 use course::Course;
 use fault::Fault;
 use planning::Planning;
+use prepared::Prepared;
 pub use planning::{FinishedPlan, Plan};
 use state::State;
 pub use telemetry::Counters;
@@ -80,6 +83,7 @@ enum Request {
 struct Staged {
     sequence: u8,
     asked: Move,
+    prepared: Prepared,
 }
 
 /// What a repetition is answered.
@@ -116,8 +120,7 @@ pub struct Axis {
     drive: Option<DriveReport>,
     commander: Commander,
     staged: Option<Staged>,
-    /// Ramps for the next trapezoid: acceleration, deceleration.
-    shape: Option<(Ticks, Ticks)>,
+    prepared: Prepared,
     departure: Option<Departure>,
     last_command: Option<(Frame, Reply)>,
     last_trigger: Option<(Frame, Reply)>,
@@ -143,7 +146,7 @@ impl Axis {
             drive: None,
             commander: Commander::default(),
             staged: None,
-            shape: None,
+            prepared: Prepared::default(),
             departure: None,
             last_command: None,
             last_trigger: None,

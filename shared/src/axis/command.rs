@@ -4,9 +4,10 @@ use super::fault::Fault;
 use super::planning::{Leave, WantedMove};
 use super::state::State;
 use super::{Axis, Outcome, Reply, Request};
-use crate::motion::{Move, PlanError, Profile};
+use crate::motion::{Move, PlanError};
 use crate::time::{BusTime, LONGEST_MOVE, Tick, Ticks};
-use crate::wire::command::{Action, Command, ProfileKind, Session};
+use crate::units::{Acceleration, Jerk, Velocity};
+use crate::wire::command::{Action, Command, Session};
 use crate::wire::frame::Frame;
 use crate::wire::id::Function;
 use crate::wire::layout::POSITION_STEP;
@@ -71,6 +72,8 @@ impl Axis {
             } => self.trigger(frame, group, session, start),
             Command::Control { sequence, .. }
             | Command::TrapezoidShape { sequence, .. }
+            | Command::RampLimits { sequence, .. }
+            | Command::PeakLimits { sequence, .. }
             | Command::Move { sequence, .. } => {
                 if let Some((last, reply)) = self.last_command
                     && last == *frame
@@ -165,7 +168,25 @@ impl Axis {
                 if acceleration.0 == 0 || deceleration.0 == 0 || whole > LONGEST_MOVE.0 {
                     return Err((Reason::BadValue, 0));
                 }
-                self.shape = Some((acceleration, deceleration));
+                self.prepared.shape = Some((acceleration, deceleration));
+                Ok(Done::Now(0))
+            }
+            Command::RampLimits {
+                acceleration,
+                deceleration,
+                ..
+            } => {
+                if acceleration <= Acceleration::ZERO || deceleration <= Acceleration::ZERO {
+                    return Err((Reason::BadValue, 0));
+                }
+                self.prepared.ramps = Some((acceleration, deceleration));
+                Ok(Done::Now(0))
+            }
+            Command::PeakLimits { velocity, jerk, .. } => {
+                if velocity <= Velocity::ZERO || jerk <= Jerk::ZERO {
+                    return Err((Reason::BadValue, 0));
+                }
+                self.prepared.peaks = Some((velocity, jerk));
                 Ok(Done::Now(0))
             }
             Command::Move {
@@ -179,23 +200,22 @@ impl Axis {
                 let asked = Move {
                     target: self.limits.snap(target, POSITION_STEP),
                     duration,
-                    profile: self.profile(profile),
+                    profile: self.prepared.profile(profile),
                 };
                 let leave = if staged {
                     Leave::WhenTriggered
                 } else {
                     Leave::Now
                 };
+                let mut left = self.prepared;
                 let number = self.want_move(WantedMove {
                     asked,
+                    prepared: left.take(profile),
                     leave,
                     sequence,
                     function,
                 })?;
-                // Used up by the trapezoid that it was meant for, and by nothing else.
-                if profile == ProfileKind::Trapezoid {
-                    self.shape = None;
-                }
+                self.prepared = left;
                 Ok(Done::Planning(number))
             }
             // The others never come here.
@@ -297,19 +317,6 @@ impl Axis {
         Ok(0)
     }
 
-    fn profile(&self, kind: ProfileKind) -> Profile {
-        match (kind, self.shape) {
-            (ProfileKind::Beta, _) => Profile::Beta,
-            (ProfileKind::Trapezoid, None) => Profile::Trapezoid,
-            (ProfileKind::Trapezoid, Some((acceleration, deceleration))) => {
-                Profile::ShapedTrapezoid {
-                    acceleration,
-                    deceleration,
-                }
-            }
-        }
-    }
-
     fn trigger(&mut self, frame: &Frame, group: u8, session: Session, start: Tick) -> Outcome {
         if let Some((last, reply)) = self.last_trigger
             && last == *frame
@@ -334,6 +341,7 @@ impl Axis {
             axis.ready()?;
             let number = axis.want_move(WantedMove {
                 asked: staged.asked,
+                prepared: staged.prepared,
                 leave: Leave::At(start),
                 sequence: staged.sequence,
                 function: Function::Trigger,

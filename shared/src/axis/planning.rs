@@ -26,9 +26,10 @@
 //! the tick's arithmetic is compiled with it would take kilobytes of flash.
 
 use super::command::{Refusal, refusal};
+use super::prepared::Prepared;
 use super::{Axis, Departure, Outcome, Reply, Staged};
 use crate::limits::Limits;
-use crate::motion::{Motion, Move, Planned, Profile};
+use crate::motion::{Motion, Move, Planned};
 use crate::time::{Tick, Ticks};
 use crate::wire::id::{AxisId, Function};
 use crate::wire::reason::Reason;
@@ -49,6 +50,7 @@ pub(super) enum Leave {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct WantedMove {
     pub(super) asked: Move,
+    pub(super) prepared: Prepared,
     pub(super) leave: Leave,
     pub(super) sequence: u8,
     pub(super) function: Function,
@@ -234,7 +236,10 @@ impl Axis {
             change: job.change,
             number: job.number,
             splice,
-            limits: self.limits,
+            limits: match job.change {
+                Change::Stop => self.limits,
+                Change::Move(wanted) => wanted.prepared.limits(&self.limits),
+            },
             motion: motion.clone(),
         };
         self.planning.working = Some((job, splice));
@@ -252,14 +257,16 @@ impl Axis {
         };
         let begun = match (job.change, finished.result) {
             (Change::Move(wanted), Err(refusal)) => {
-                self.give_back_shape(&wanted);
+                // It waits for the next move of its kind.
+                self.prepared.give_back(wanted.prepared);
                 return self.settle(&wanted, job.number, Err(refusal));
             }
             (Change::Move(wanted), Ok(planned)) if wanted.leave == Leave::WhenTriggered => {
-                let WantedMove {
-                    sequence, asked, ..
-                } = wanted;
-                self.staged = Some(Staged { sequence, asked });
+                self.staged = Some(Staged {
+                    sequence: wanted.sequence,
+                    asked: wanted.asked,
+                    prepared: wanted.prepared,
+                });
                 let duration = planned.end.since(planned.start).0;
                 return self.settle(&wanted, job.number, Ok(duration));
             }
@@ -388,18 +395,6 @@ impl Axis {
         };
         self.refuse(job, why);
         Outcome::Rejected(why.0)
-    }
-
-    /// The ramps of a trapezoid that was refused wait for the next one, unless others do.
-    fn give_back_shape(&mut self, wanted: &WantedMove) {
-        if let Profile::ShapedTrapezoid {
-            acceleration,
-            deceleration,
-        } = wanted.asked.profile
-            && self.shape.is_none()
-        {
-            self.shape = Some((acceleration, deceleration));
-        }
     }
 }
 

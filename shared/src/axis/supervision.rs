@@ -2,6 +2,7 @@
 
 use super::command::Refusal;
 use super::fault::Fault;
+use super::prepared::Prepared;
 use super::state::State;
 use super::{Axis, HOST_TIMEOUT, Request};
 use crate::drive::Condition;
@@ -56,7 +57,7 @@ impl Axis {
     pub(super) fn forget_moves(&mut self, why: Refusal) {
         self.call_off_stages(why);
         self.staged = None;
-        self.shape = None;
+        self.prepared = Prepared::default();
     }
 
     /// Latches a fault, the first one only: what follows from it would hide the cause.
