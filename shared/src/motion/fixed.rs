@@ -42,12 +42,7 @@ pub(crate) fn square_root(value: u64) -> u64 {
     let shift = value.leading_zeros() & !1;
     let normal = value << shift;
     let approximate = (normal >> 40) as u32 as f32 * (1.0 / (1u32 << 24) as f32);
-    let half = approximate * 0.5;
-    // The exponent's half, negated, with the constant that spreads the error evenly.
-    let mut reciprocal = f32::from_bits(0x5F37_59DF - (approximate.to_bits() >> 1));
-    reciprocal = reciprocal * (1.5 - half * reciprocal * reciprocal);
-    reciprocal = reciprocal * (1.5 - half * reciprocal * reciprocal);
-    reciprocal = reciprocal * (1.5 - half * reciprocal * reciprocal);
+    let reciprocal = reciprocal_root(approximate);
     // Q30; it lies in (1, 2], so it fits 32 bits.
     let reciprocal = (reciprocal * (1u32 << 30) as f32) as u32;
     let root = (((normal >> 32) * reciprocal as u64) >> 30).min(0xFFFF_FFFF);
@@ -55,6 +50,24 @@ pub(crate) fn square_root(value: u64) -> u64 {
     let remainder = (normal as i64).wrapping_sub((root * root) as i64) >> 12;
     let correction = (remainder * reciprocal as i64) >> (30 + 1 - 12);
     ((root << 32).saturating_add_signed(correction)) >> (shift / 2)
+}
+
+/// The square root of a positive normal f32, with a relative error below 2^-21.
+#[inline(always)]
+pub(crate) fn square_root_f32(value: f32) -> f32 {
+    value * reciprocal_root(value)
+}
+
+/// The reciprocal root of a positive normal f32 to about 24 bits: from its bits, and three Newton
+/// steps.
+#[inline(always)]
+fn reciprocal_root(value: f32) -> f32 {
+    let half = value * 0.5;
+    // The exponent's half, negated, with the constant that spreads the error evenly.
+    let mut reciprocal = f32::from_bits(0x5F37_59DF_u32.wrapping_sub(value.to_bits() >> 1));
+    reciprocal = reciprocal * (1.5 - half * reciprocal * reciprocal);
+    reciprocal = reciprocal * (1.5 - half * reciprocal * reciprocal);
+    reciprocal * (1.5 - half * reciprocal * reciprocal)
 }
 
 #[cfg(test)]
@@ -80,6 +93,15 @@ mod tests {
             let exact = libm::sqrt(value as f64) * 4_294_967_296.0;
             // The last bit of the shifted result counts as well where the value is small.
             prop_assert!((root - exact).abs() <= exact * 1.14e-13 + 1.0, "{value}: {root} {exact}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn f32_root_is_within_its_relative_error(value in 1e-30..4.0f32) {
+            let root = f64::from(square_root_f32(value));
+            let exact = libm::sqrt(f64::from(value));
+            prop_assert!((root - exact).abs() <= exact / f64::from(1 << 21), "{value}: {root}");
         }
     }
 
