@@ -11,6 +11,7 @@
 //! | `bounds`, `error` | its limits, and why it cannot be made |
 //! | `segments` | pieces of constant jerk in f64 |
 //! | `beta` | the beta S-curve, integers and f64 |
+//! | `s_curve` | time-optimal with a limit of jerk, from state to state |
 //! | `trapezoid` | constant acceleration, cruise, constant deceleration |
 //! | `s_curve` | the time-optimal curve of limited jerk in f64 |
 //! | `smooth` | s-curves on the device |

@@ -1,0 +1,174 @@
+//! The s-curve: from state to state in the least time, with a limit of jerk.
+//!
+//! Up to seven pieces of constant jerk, and up to two more before them where the start is outside
+//! the limits. Positions are in any unit, times in seconds, and the rates in that unit per second,
+//! per second squared and per second cubed. Positions and rates may be up to [`LARGEST`] in
+//! magnitude, limits from [`SMALLEST`] to [`LARGEST`].
+//!
+//! The problem is that of Kröger's type IV online trajectories with a stop velocity, which Ruckig
+//! (Berscheid and Kröger, "Jerk-limited Real-time Trajectory Generation with Arbitrary Target
+//! States", RSS 2021) solves with an acceleration at the stop too; the durations here equal
+//! Ruckig's. How it is solved here is told in `lobes`.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `bounds` | the limits by sign |
+//! | `unit` | motions with the time counted so that the jerk is one |
+//! | `brake` | back inside the limits |
+//! | `lobes` | the family of quickest motions, and which of them gets there |
+//! | `negative` | the first of that family, which slow down all the time |
+//! | `root` | the root of a smooth curve |
+//! | `lasting` | a motion that lasts longer, for axes that arrive together |
+//! | `to_rest` | a start above the velocity limit comes down to it and no further |
+//!
+//! [`LARGEST`]: super::bounds::LARGEST
+//! [`SMALLEST`]: super::bounds::SMALLEST
+
+mod bounds;
+mod brake;
+mod lasting;
+mod lobes;
+mod negative;
+mod root;
+mod to_rest;
+mod unit;
+
+pub use bounds::SignedBounds;
+pub use lasting::lasting;
+pub use to_rest::to_rest;
+
+use super::bounds::{Bounds, checked_position, checked_rate};
+use super::error::{ProfileError, checked};
+use super::segments::Segments;
+use super::trajectory::Sample;
+use brake::brake;
+use lobes::Upward;
+use unit::{Pieces, Range, State};
+
+/// The quickest motion from a position, velocity and acceleration to a position and velocity,
+/// without acceleration there.
+///
+/// A start outside the limits is first brought back inside: too much acceleration is released, and
+/// too much velocity slowed down as hard as the limits allow until it passes its limit.
+///
+/// # Errors
+/// A value that is not a number or too large; a stop velocity outside the limits.
+pub fn time_optimal(
+    from: Sample,
+    to: Sample,
+    bounds: &SignedBounds,
+) -> Result<Segments, ProfileError> {
+    let state = checked_start(from, to.position, bounds)?;
+    checked_position("target", to.position)?;
+    let (lowest, highest) = (bounds.velocity_min(), bounds.velocity_max());
+    checked("stop velocity", to.velocity, lowest, highest)?;
+    let range = Range::new(bounds);
+    let mut pieces = Pieces::default();
+    let inside = brake(state, &range, &mut pieces);
+    quickest(inside, bounds.jerk() * to.velocity, &range, &mut pieces);
+    Ok(pieces.join(from, to, bounds.jerk()))
+}
+
+/// [`time_optimal`] with a person's limits: acceleration for the way towards the target as seen
+/// from the start, deceleration against it.
+///
+/// # Errors
+/// As [`time_optimal`], and an infinite jerk limit.
+pub fn plan(from: Sample, to: Sample, bounds: &Bounds) -> Result<Segments, ProfileError> {
+    let bounds = if to.position >= from.position {
+        SignedBounds::forward(bounds)?
+    } else {
+        SignedBounds::backward(bounds)?
+    };
+    time_optimal(from, to, &bounds)
+}
+
+/// The quickest change of velocity, to no acceleration; where it ends is free, and no limit of
+/// velocity counts. A stop is a change to zero.
+///
+/// # Errors
+/// A value that is not a number or too large.
+pub fn change_velocity(
+    from: Sample,
+    velocity: f64,
+    bounds: &SignedBounds,
+) -> Result<Segments, ProfileError> {
+    let state = checked_start(from, from.position, bounds)?;
+    checked_rate("stop velocity", velocity)?;
+    let mut pieces = Pieces::default();
+    let range = Range::new(bounds);
+    change(state, bounds.jerk() * velocity, &range, &mut pieces);
+    let builder = pieces.lay(from, bounds.jerk());
+    let position = builder.now().position;
+    Ok(builder.end_smoothly(position, velocity))
+}
+
+/// The start in unit-jerk time and seen from the target.
+fn checked_start(from: Sample, origin: f64, bounds: &SignedBounds) -> Result<State, ProfileError> {
+    checked_position("start", from.position)?;
+    checked_rate("start velocity", from.velocity)?;
+    checked_rate("start acceleration", from.acceleration)?;
+    Ok(State::new(from, origin, bounds.jerk()))
+}
+
+/// Lays the quickest change of velocity to `v1`, and gives the state after it.
+fn change(state: State, v1: f64, range: &Range, pieces: &mut Pieces) -> State {
+    let mut now = state;
+    for (over, jerk) in [
+        (state.acceleration - range.rise, -1.0),
+        (-range.fall - state.acceleration, 1.0),
+    ] {
+        if over > 0.0 {
+            pieces.push(over, jerk);
+            now = now.after(unit::Piece {
+                duration: over,
+                jerk,
+            });
+        }
+    }
+    let up = Upward::new(now, v1, 0.0, range);
+    let mut rest = Pieces::default();
+    up.direct().lay(now.acceleration, 1.0, &mut rest);
+    for piece in rest.iter() {
+        pieces.push(piece.duration, piece.jerk);
+    }
+    rest.carry(now)
+}
+
+/// Which way a target lies from where the quickest change of velocity ends.
+enum Side {
+    /// It is just there.
+    There,
+    /// Above, or below and seen upside down.
+    Above(Upward, f64),
+}
+
+/// `state`, which must be inside the limits, is to get to position zero with velocity `v1`.
+fn side(state: State, v1: f64, range: &Range) -> Side {
+    let up = Upward::new(state, v1, -state.position, range);
+    let direct = up.direct_reach();
+    let more = up.reach - direct;
+    // As exact as the reach can be known from its terms.
+    let scale = up.reach.abs() + direct.abs() + (up.reach + state.position).abs();
+    if more.abs() <= 2.0 * f64::EPSILON * scale {
+        Side::There
+    } else if more > 0.0 {
+        Side::Above(up, 1.0)
+    } else {
+        let state = state.mirrored();
+        let up = Upward::new(state, -v1, -state.position, &range.mirrored());
+        Side::Above(up, -1.0)
+    }
+}
+
+/// Lays the quickest motion from `state`, which must be inside the limits, to position zero with
+/// velocity `v1`.
+fn quickest(state: State, v1: f64, range: &Range, pieces: &mut Pieces) {
+    match side(state, v1, range) {
+        Side::There => {
+            let up = Upward::new(state, v1, -state.position, range);
+            up.direct().lay(state.acceleration, 1.0, pieces);
+        }
+        Side::Above(up, sign) => up.quickest().lay(up.a0, sign, pieces),
+    }
+}
