@@ -183,9 +183,8 @@ impl Phase {
     /// a whole chain, so that its last phase ends exactly where it was meant to.
     pub(crate) fn end_at(&mut self, to: i64) {
         let missing = to.saturating_sub(self.exit());
-        if let [linear, ..] = &mut self.position {
-            *linear = linear.saturating_add(missing);
-        }
+        let [linear, ..] = &mut self.position;
+        *linear = linear.saturating_add(missing);
     }
 
     /// Marks the first phase of a move that leaves from rest, and that can be dropped as long as
@@ -248,27 +247,26 @@ impl Phase {
         let from = self.contribution(now.max(self.first));
         let to = self.last();
         let fastest = self.turn().max(from.velocity.abs()).max(to.velocity.abs());
-        let sense = |at: &Contribution| {
-            let reverses = (from.velocity > 0) != (to.velocity > 0);
-            if reverses {
-                limits.slower_acceleration()
-            } else if (at.velocity > 0) == (at.acceleration > 0) {
-                limits.acceleration()
-            } else {
-                limits.deceleration()
-            }
+        // Over the whole phase the velocity has the sign of its ends, or passes zero.
+        let ends = (from.velocity.signum(), to.velocity.signum());
+        let strong = |acceleration: i64| {
+            let limit = match ends.0 + ends.1 {
+                0 => limits.slower_acceleration(),
+                direction if (direction > 0) == (acceleration > 0) => limits.acceleration(),
+                _ => limits.deceleration(),
+            };
+            acceleration.abs() > limit.counts()
         };
-        let strong = |at: &Contribution| at.acceleration.abs() > sense(at).counts();
         // No place is farther from where it begins than this.
         let way = fastest as f64 * self.end.since(now).seconds();
         let farthest = |sign: f64| Position::from_counts(from.position.saturating_add((sign * way) as i64));
         let between = limits.allow(Position::from_counts(from.position))
             && limits.allow(Position::from_counts(to.position));
-        let straight = (from.velocity >= 0) == (to.velocity >= 0) && self.turn() == 0;
+        let straight = ends.0 * ends.1 >= 0 && self.turn() == 0;
         fastest <= limits.velocity().counts()
-            && !strong(&from)
-            && !strong(&to)
-            && (self.steps || self.jerk() <= limits.jerk().counts() as f64)
+            && !strong(from.acceleration)
+            && !strong(to.acceleration)
+            && (self.steps || self.jerk() * ROUNDED_DOWN <= limits.jerk().counts() as f64)
             && (between && straight || limits.allow(farthest(1.0)) && limits.allow(farthest(-1.0)))
     }
 
