@@ -43,7 +43,7 @@ use super::segments::Segments;
 use super::trajectory::Sample;
 use brake::brake;
 use lobes::Upward;
-use unit::{Pieces, Range, State};
+use unit::{Piece, Pieces, Range, State};
 
 /// The quickest motion from a position, velocity and acceleration to a position and velocity,
 /// without acceleration there.
@@ -98,9 +98,7 @@ pub fn change_velocity(
     let mut pieces = Pieces::default();
     let range = Range::new(bounds);
     change(state, bounds.jerk() * velocity, &range, &mut pieces);
-    let builder = pieces.lay(from, bounds.jerk());
-    let position = builder.now().position;
-    Ok(builder.end_smoothly(position, velocity))
+    Ok(pieces.lead(from, velocity, bounds.jerk()))
 }
 
 /// The start in unit-jerk time and seen from the target.
@@ -113,26 +111,30 @@ fn checked_start(from: Sample, origin: f64, bounds: &SignedBounds) -> Result<Sta
 
 /// Lays the quickest change of velocity to `v1`, and gives the state after it.
 fn change(state: State, v1: f64, range: &Range, pieces: &mut Pieces) -> State {
-    let mut now = state;
-    for (over, jerk) in [
-        (state.acceleration - range.rise, -1.0),
-        (-range.fall - state.acceleration, 1.0),
-    ] {
-        if over > 0.0 {
-            pieces.push(over, jerk);
-            now = now.after(unit::Piece {
-                duration: over,
-                jerk,
-            });
-        }
-    }
-    let up = Upward::new(now, v1, 0.0, range);
+    let inside = release(state, range, pieces);
+    let up = Upward::new(inside, v1, 0.0, range);
     let mut rest = Pieces::default();
-    up.direct().lay(now.acceleration, 1.0, &mut rest);
-    for piece in rest.iter() {
-        pieces.push(piece.duration, piece.jerk);
+    up.direct().lay(inside.acceleration, 1.0, &mut rest);
+    for piece in rest.as_slice() {
+        pieces.push(*piece);
     }
-    rest.carry(now)
+    State {
+        velocity: v1,
+        acceleration: 0.0,
+        ..rest.carry(inside)
+    }
+}
+
+/// Lays what brings the acceleration back inside its limits, and gives the state after it.
+fn release(state: State, range: &Range, pieces: &mut Pieces) -> State {
+    let limit = state.acceleration.min(range.rise).max(-range.fall);
+    let over = state.acceleration - limit;
+    let piece = Piece::new(over.abs(), -over.signum(), state.acceleration);
+    pieces.push(piece);
+    State {
+        acceleration: limit,
+        ..state.after(piece)
+    }
 }
 
 /// Which way a target lies from where the quickest change of velocity ends.

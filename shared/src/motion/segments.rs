@@ -1,8 +1,9 @@
 //! A trajectory of pieces of constant jerk: what s-curves, trapezoids and stops are made of.
 //!
 //! Each piece is evaluated from where the one before it ends, so position and velocity are
-//! continuous to the bit there; the last one is evaluated backwards from the end that was asked
-//! for, so that the end is exact and the curve near it keeps its digits.
+//! continuous to the bit there (unless the planner knows the entry more exactly); the last one is
+//! evaluated backwards from the end that was asked for, so that the end is exact and the curve
+//! near it keeps its digits.
 
 use super::trajectory::{Peaks, Sample, Trajectory};
 use heapless::Vec;
@@ -84,6 +85,18 @@ impl Builder {
             self.now.acceleration = acceleration;
         }
         self.jerk(duration, 0.0)
+    }
+
+    /// Goes on for `duration` seconds from `entry`, at its jerk.
+    ///
+    /// For a planner that knows better than the sum of rounded pieces where a piece begins: entry
+    /// must be where the motion has come to but for rounding.
+    #[must_use]
+    pub fn from_entry(mut self, duration: f64, entry: Sample) -> Self {
+        if duration > 0.0 {
+            self.now = entry;
+        }
+        self.jerk(duration, entry.jerk)
     }
 
     /// The motion that has been laid so far ends with.

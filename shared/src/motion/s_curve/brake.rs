@@ -36,8 +36,9 @@ pub(super) fn brake(state: State, range: &Range, pieces: &mut Pieces) -> State {
     };
     let mut now = state;
     for (duration, jerk) in [(brake.0.max(0.0), -sign), (brake.1.max(0.0), 0.0)] {
-        pieces.push(duration, jerk);
-        now = now.after(Piece { duration, jerk });
+        let piece = Piece::new(duration, jerk, now.acceleration);
+        pieces.push(piece);
+        now = now.after(piece);
     }
     now.acceleration = now.acceleration.min(range.rise).max(-range.fall);
     now
@@ -62,6 +63,7 @@ impl Brake {
             highest,
             lowest,
             rise,
+            margin,
             ..
         } = self.range;
         let (v, a) = (self.state.velocity, self.state.acceleration);
@@ -70,11 +72,11 @@ impl Brake {
         }
         let at_limit = v + (a - rise) * (a + rise) / 2.0;
         let hold = if at_limit < lowest {
-            ((lowest - at_limit) / rise).min((highest - at_limit) / rise - rise / 2.0)
+            ((lowest - at_limit) / rise).min((highest - at_limit) / rise - rise / 2.0 - margin)
         } else {
             0.0
         };
-        (a - rise, hold)
+        (a - rise + margin, hold)
     }
 
     fn less_velocity(&self) -> (f64, f64) {
@@ -82,6 +84,7 @@ impl Brake {
             highest,
             lowest,
             fall,
+            margin,
             ..
         } = self.range;
         let (v, a) = (self.state.velocity, self.state.acceleration);
@@ -89,10 +92,10 @@ impl Brake {
         let until_lowest = a + libm::sqrt((a * a / 2.0 + (v - lowest)).max(0.0));
         let ramp = until_highest.min(until_lowest);
         if a + fall >= ramp {
-            return (ramp, 0.0);
+            return (ramp - margin, 0.0);
         }
         let at_limit = v + (a - fall) * (a + fall) / 2.0;
         let hold = ((at_limit - highest) / fall).min((at_limit - lowest) / fall - fall / 2.0);
-        (a + fall, hold)
+        (a + fall - margin, hold)
     }
 }

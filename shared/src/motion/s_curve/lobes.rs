@@ -24,7 +24,7 @@
 //! holds is told by R at the peak velocities where a limit is just reached.
 
 use super::root::{Curve, root, rough_cube_root};
-use super::unit::{Pieces, Range, State};
+use super::unit::{Piece, Pieces, Range, State};
 
 /// What a motion upwards is asked for, in unit-jerk time.
 #[derive(Debug, Clone, Copy)]
@@ -45,8 +45,9 @@ pub(super) struct Upward {
 pub(super) struct Lobes {
     pub peak: f64,
     pub peak_hold: f64,
-    /// At zero acceleration between peak and trough.
+    /// Between peak and trough, at this velocity.
     pub cruise: f64,
+    pub cruise_velocity: f64,
     /// The magnitude of the trough.
     pub trough: f64,
     pub trough_hold: f64,
@@ -55,17 +56,35 @@ pub(super) struct Lobes {
 impl Lobes {
     /// Lays it from an acceleration of `a0`; `sign` is -1 where everything is upside down.
     pub fn lay(&self, a0: f64, sign: f64, pieces: &mut Pieces) {
-        pieces.push(self.peak - a0, sign);
-        pieces.push(self.peak_hold, 0.0);
+        let Self { peak, trough, .. } = *self;
+        let mut push = |duration, jerk: f64, from: f64| {
+            pieces.push(Piece::new(duration, sign * jerk, sign * from));
+        };
+        push(peak - a0, 1.0, a0);
+        push(self.peak_hold, 0.0, peak);
         if self.cruise > 0.0 {
-            pieces.push(self.peak, -sign);
-            pieces.push(self.cruise, 0.0);
-            pieces.push(self.trough, -sign);
+            push(peak, -1.0, peak);
+            pieces.push(Piece::cruise(self.cruise, sign * self.cruise_velocity));
+            pieces.push(Piece::new(trough, -sign, 0.0));
         } else {
-            pieces.push(self.peak + self.trough, -sign);
+            push(peak + trough, -1.0, peak);
         }
-        pieces.push(self.trough_hold, 0.0);
-        pieces.push(self.trough, sign);
+        let mut push = |duration, jerk: f64| {
+            pieces.push(Piece::new(duration, sign * jerk, -sign * trough));
+        };
+        push(self.trough_hold, 0.0);
+        push(trough, 1.0);
+    }
+
+    /// How long it lasts from an acceleration of `a0`.
+    pub fn duration(&self, a0: f64) -> f64 {
+        (self.peak - a0)
+            + self.peak_hold
+            + self.peak
+            + self.cruise
+            + self.trough
+            + self.trough_hold
+            + self.trough
     }
 }
 
@@ -103,6 +122,12 @@ impl Upward {
             reach: distance + a0 * (v0 - a0 * a0 / 3.0),
             range: *range,
         }
+    }
+
+    /// d: the displacement from the start.
+    pub fn distance(&self) -> f64 {
+        let a0 = self.a0;
+        self.reach - a0 * (self.begin + a0 * a0 / 6.0)
     }
 
     /// K: what the squares of peak and trough differ by.
@@ -188,15 +213,7 @@ impl Upward {
         }
         let at_highest = self.reach_at(highest);
         if self.reach >= at_highest {
-            let (peak, peak_hold) = change_peak(highest - begin, rise);
-            let (trough, trough_hold) = change_peak(highest - v1, fall);
-            return Lobes {
-                peak: peak.max(self.a0),
-                peak_hold,
-                cruise: (self.reach - at_highest) / highest,
-                trough,
-                trough_hold,
-            };
+            return self.cruising((self.reach - at_highest) / highest);
         }
         // The peak velocities at which the acceleration just reaches a limit.
         let (at_rise, at_fall) = (begin + rise * rise, v1 + fall * fall);
@@ -230,6 +247,37 @@ impl Upward {
         self.free(low, high)
     }
 
+    /// The motion that gets farthest within `time`, which must be enough for the direct change.
+    pub fn farthest(&self, time: f64) -> Lobes {
+        let Range {
+            highest,
+            rise,
+            fall,
+            ..
+        } = self.range;
+        let (begin, v1, gain) = (self.begin, self.v1, self.gain());
+        let time = time + self.a0;
+        let cruise = time - change_time(highest - begin, rise) - change_time(highest - v1, fall);
+        if cruise >= 0.0 {
+            return self.cruising(cruise);
+        }
+        let free = self.with_length(time / 2.0);
+        if free.peak <= rise && free.trough <= fall {
+            return free;
+        }
+        let trough = libm::sqrt((rise * time - gain).max(0.0)) - rise;
+        if free.peak > rise && trough <= fall {
+            return self.with_trough(trough.max(0.0));
+        }
+        let peak = libm::sqrt((fall * time + gain).max(0.0)) - fall;
+        if peak <= rise {
+            return self.with_peak(peak.max(self.a0));
+        }
+        // Both: the time as a function of the peak velocity is a straight line.
+        let top = (time - rise - fall + begin / rise + v1 / fall) / (1.0 / rise + 1.0 / fall);
+        self.with_top(top)
+    }
+
     /// Both limits are held; `more` is what R is above that of the peak velocity `later`, where the
     /// second limit is just reached.
     fn both_held(&self, later: f64, more: f64) -> Lobes {
@@ -242,14 +290,38 @@ impl Upward {
         } else {
             (turn - linear) / quadratic
         };
-        let peak_hold = (later - self.begin - rise * rise + above) / rise;
-        let trough_hold = (later - self.v1 - fall * fall + above) / fall;
+        self.with_top(later + above)
+    }
+
+    /// Both limits are held and the velocity peaks at `top`.
+    fn with_top(&self, top: f64) -> Lobes {
+        let Range { rise, fall, .. } = self.range;
         Lobes {
             peak: rise,
-            peak_hold: peak_hold.max(0.0),
-            cruise: 0.0,
+            peak_hold: ((top - self.begin) / rise - rise).max(0.0),
             trough: fall,
-            trough_hold: trough_hold.max(0.0),
+            trough_hold: ((top - self.v1) / fall - fall).max(0.0),
+            ..Lobes::default()
+        }
+    }
+
+    /// At the velocity limit for `time`.
+    fn cruising(&self, time: f64) -> Lobes {
+        let Range {
+            highest,
+            rise,
+            fall,
+            ..
+        } = self.range;
+        let (peak, peak_hold) = change_peak(highest - self.begin, rise);
+        let (trough, trough_hold) = change_peak(highest - self.v1, fall);
+        Lobes {
+            peak: peak.max(self.a0),
+            peak_hold,
+            cruise: time,
+            cruise_velocity: highest,
+            trough,
+            trough_hold,
         }
     }
 
@@ -258,7 +330,12 @@ impl Upward {
         let rise = self.range.rise;
         let gain = self.gain();
         let rest = self.reach - self.sum() * (rise + gain / rise) / 2.0;
-        let trough = held_root(rise, self.v1, rest, low, high);
+        self.with_trough(held_root(rise, self.v1, rest, low, high))
+    }
+
+    /// The upper limit of acceleration is held, the trough is this deep.
+    fn with_trough(&self, trough: f64) -> Lobes {
+        let (rise, gain) = (self.range.rise, self.gain());
         let peak_hold = (gain - rise * rise + trough * trough) / rise;
         Lobes {
             peak: rise,
@@ -273,7 +350,12 @@ impl Upward {
         let fall = self.range.fall;
         let gain = self.gain();
         let rest = self.reach - self.sum() * (fall - gain / fall) / 2.0;
-        let peak = held_root(fall, self.begin, rest, low, high);
+        self.with_peak(held_root(fall, self.begin, rest, low, high))
+    }
+
+    /// The lower limit of acceleration is held, the peak is this high.
+    fn with_peak(&self, peak: f64) -> Lobes {
+        let (fall, gain) = (self.range.fall, self.gain());
         let trough_hold = (peak * peak - fall * fall - gain) / fall;
         Lobes {
             peak,

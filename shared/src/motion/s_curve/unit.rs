@@ -38,7 +38,7 @@ impl State {
 
     /// What comes of it after `piece`.
     pub fn after(self, piece: Piece) -> Self {
-        let Piece { duration, jerk } = piece;
+        let Piece { duration, jerk, .. } = piece;
         let Self {
             position,
             velocity,
@@ -64,6 +64,8 @@ pub(super) struct Range {
     pub rise: f64,
     /// How strongly it may fall, positive.
     pub fall: f64,
+    /// A time that the way back inside the limits leaves, see `brake`.
+    pub margin: f64,
 }
 
 impl Range {
@@ -73,6 +75,7 @@ impl Range {
             lowest: bounds.jerk() * bounds.velocity_min(),
             rise: bounds.acceleration_max(),
             fall: -bounds.acceleration_min(),
+            margin: margin(bounds),
         }
     }
 
@@ -83,8 +86,16 @@ impl Range {
             lowest: -self.highest,
             rise: self.fall,
             fall: self.rise,
+            margin: self.margin,
         }
     }
+}
+
+/// 2.2e-14 s, a hundred times the rounding of a second: as Ruckig does, so that durations agree.
+/// Less where the limits of acceleration would notice.
+fn margin(bounds: &SignedBounds) -> f64 {
+    let limit = bounds.acceleration_max().min(-bounds.acceleration_min());
+    (2.2e-14 * bounds.jerk()).min(1e-7 * limit)
 }
 
 /// A piece of constant jerk, which is one, zero, or minus one (between them where motions are
@@ -93,6 +104,30 @@ impl Range {
 pub(super) struct Piece {
     pub duration: f64,
     pub jerk: f64,
+    /// The acceleration that it begins with, free of what rounding adds up to.
+    pub acceleration: f64,
+    /// The velocity, where it is constant.
+    pub cruise: Option<f64>,
+}
+
+impl Piece {
+    /// A piece that is not a cruise.
+    pub fn new(duration: f64, jerk: f64, acceleration: f64) -> Self {
+        Self {
+            duration,
+            jerk,
+            acceleration,
+            cruise: None,
+        }
+    }
+
+    /// A piece of constant velocity.
+    pub fn cruise(duration: f64, velocity: f64) -> Self {
+        Self {
+            cruise: Some(velocity),
+            ..Self::new(duration, 0.0, 0.0)
+        }
+    }
 }
 
 /// Pieces in their order.
@@ -102,37 +137,110 @@ pub(super) struct Pieces(Vec<Piece, MOST_SEGMENTS>);
 impl Pieces {
     /// Adds a piece; one that has no length is left out, and so would be one beyond what a
     /// trajectory can hold, which no plan makes.
-    pub fn push(&mut self, duration: f64, jerk: f64) {
-        if duration > 0.0 {
-            let _full = self.0.push(Piece { duration, jerk });
+    pub fn push(&mut self, piece: Piece) {
+        if piece.duration > 0.0 {
+            let _full = self.0.push(piece);
         }
     }
 
-    pub fn iter(&self) -> impl Iterator<Item = Piece> + '_ {
-        self.0.iter().copied()
+    pub fn as_slice(&self) -> &[Piece] {
+        &self.0
+    }
+
+    /// All upside down where `sign` is -1.
+    pub fn signed(mut self, sign: f64) -> Self {
+        for piece in &mut self.0 {
+            piece.jerk *= sign;
+            piece.acceleration *= sign;
+            piece.cruise = piece.cruise.map(|velocity| velocity * sign);
+        }
+        self
     }
 
     /// How long they last together.
     pub fn duration(&self) -> f64 {
-        self.iter().fold(0.0, |sum, piece| sum + piece.duration)
+        self.0.iter().fold(0.0, |sum, piece| sum + piece.duration)
     }
 
     /// What comes of `state` after all of them.
     pub fn carry(&self, state: State) -> State {
-        self.iter().fold(state, State::after)
-    }
-
-    /// Lays them from `start` in time of this jerk.
-    pub fn lay(&self, start: Sample, jerk: f64) -> Builder {
-        let slow = 1.0 / jerk;
-        self.iter().fold(Builder::new(start), |builder, piece| {
-            builder.jerk(piece.duration * slow, piece.jerk * jerk)
-        })
+        self.0
+            .iter()
+            .fold(state, |state, piece| state.after(*piece))
     }
 
     /// Lays them from `start` to the position and velocity of `end`.
+    ///
+    /// Before a cruise they are laid from the start on and after it from the end backwards, so
+    /// that both ends are as exact as they can be. What rounding adds up to is left to the
+    /// cruise: its length is far greater than that.
     pub fn join(&self, start: Sample, end: Sample, jerk: f64) -> Segments {
-        self.lay(start, jerk)
-            .end_smoothly(end.position, end.velocity)
+        let scale = Scale::new(jerk);
+        let mut builder = Builder::new(start);
+        let cruise = self.0.iter().position(|piece| piece.cruise.is_some());
+        let (before, after) = self
+            .0
+            .split_at_checked(cruise.map_or(self.0.len(), |cruise| cruise + 1))
+            .unwrap_or((&self.0, &[]));
+        for piece in before {
+            builder = scale.lay(builder, piece);
+        }
+        let mut entries: Vec<(f64, Sample), MOST_SEGMENTS> = Vec::new();
+        let mut exit = Sample {
+            acceleration: 0.0,
+            ..end
+        };
+        for piece in after.iter().rev() {
+            exit.jerk = piece.jerk * jerk;
+            let duration = piece.duration * scale.slow;
+            exit = Sample {
+                acceleration: piece.acceleration,
+                ..exit.after(-duration)
+            };
+            let _full = entries.push((duration, exit));
+        }
+        for (duration, entry) in entries.iter().rev() {
+            builder = builder.from_entry(*duration, *entry);
+        }
+        builder.end_smoothly(end.position, end.velocity)
+    }
+
+    /// Lays them from `start` to wherever they lead with this velocity.
+    pub fn lead(&self, start: Sample, velocity: f64, jerk: f64) -> Segments {
+        let scale = Scale::new(jerk);
+        let builder = self.0.iter().fold(Builder::new(start), |builder, piece| {
+            scale.lay(builder, piece)
+        });
+        let position = builder.now().position;
+        builder.end_smoothly(position, velocity)
+    }
+}
+
+/// From unit-jerk time back to seconds.
+struct Scale {
+    jerk: f64,
+    /// Seconds per unit of time.
+    slow: f64,
+}
+
+impl Scale {
+    fn new(jerk: f64) -> Self {
+        Self {
+            jerk,
+            slow: 1.0 / jerk,
+        }
+    }
+
+    fn lay(&self, builder: Builder, piece: &Piece) -> Builder {
+        let now = builder.now();
+        let entry = Sample {
+            position: now.position,
+            velocity: piece
+                .cruise
+                .map_or(now.velocity, |velocity| velocity * self.slow),
+            acceleration: piece.acceleration,
+            jerk: piece.jerk * self.jerk,
+        };
+        builder.from_entry(piece.duration * self.slow, entry)
     }
 }
