@@ -8,15 +8,16 @@
 //! The problem is that of Kröger's type IV online trajectories with a stop velocity, which Ruckig
 //! (Berscheid and Kröger, "Jerk-limited Real-time Trajectory Generation with Arbitrary Target
 //! States", RSS 2021) solves with an acceleration at the stop too; the durations here equal
-//! Ruckig's. How it is solved here is told in `lobes`.
+//! Ruckig's. How it is solved here is told in `upward`.
 //!
 //! | file | what it holds |
 //! |---|---|
 //! | `bounds` | the limits by sign |
 //! | `unit` | motions with the time counted so that the jerk is one |
 //! | `brake` | back inside the limits |
-//! | `lobes` | the family of quickest motions, and which of them gets there |
-//! | `negative` | the first of that family, which slow down all the time |
+//! | `upward` | the family of quickest motions, and which of them gets there |
+//! | `cases`, `negative` | the members of that family |
+//! | `lobes` | the shape that they have |
 //! | `root` | the root of a smooth curve |
 //! | `lasting` | a motion that lasts longer, for axes that arrive together |
 //! | `to_rest` | a start above the velocity limit comes down to it and no further |
@@ -26,12 +27,14 @@
 
 mod bounds;
 mod brake;
+mod cases;
 mod lasting;
 mod lobes;
 mod negative;
 mod root;
 mod to_rest;
 mod unit;
+mod upward;
 
 pub use bounds::SignedBounds;
 pub use lasting::lasting;
@@ -42,8 +45,8 @@ use super::error::{ProfileError, checked};
 use super::segments::Segments;
 use super::trajectory::Sample;
 use brake::brake;
-use lobes::Upward;
 use unit::{Piece, Pieces, Range, State};
+use upward::Upward;
 
 /// The quickest motion from a position, velocity and acceleration to a position and velocity,
 /// without acceleration there.
@@ -59,13 +62,10 @@ pub fn time_optimal(
     bounds: &SignedBounds,
 ) -> Result<Segments, ProfileError> {
     let state = checked_start(from, to.position, bounds)?;
-    checked_position("target", to.position)?;
     let (lowest, highest) = (bounds.velocity_min(), bounds.velocity_max());
     checked("stop velocity", to.velocity, lowest, highest)?;
-    let range = Range::new(bounds);
-    let mut pieces = Pieces::default();
-    let inside = brake(state, &range, &mut pieces);
-    quickest(inside, bounds.jerk() * to.velocity, &range, &mut pieces);
+    let range = Range::new(bounds, from.position, to.position);
+    let pieces = quickest(state, bounds.jerk() * to.velocity, &range);
     Ok(pieces.join(from, to, bounds.jerk()))
 }
 
@@ -96,7 +96,7 @@ pub fn change_velocity(
     let state = checked_start(from, from.position, bounds)?;
     checked_rate("stop velocity", velocity)?;
     let mut pieces = Pieces::default();
-    let range = Range::new(bounds);
+    let range = Range::new(bounds, from.position, from.position);
     change(state, bounds.jerk() * velocity, &range, &mut pieces);
     Ok(pieces.lead(from, velocity, bounds.jerk()))
 }
@@ -104,6 +104,7 @@ pub fn change_velocity(
 /// The start in unit-jerk time and seen from the target.
 fn checked_start(from: Sample, origin: f64, bounds: &SignedBounds) -> Result<State, ProfileError> {
     checked_position("start", from.position)?;
+    checked_position("target", origin)?;
     checked_rate("start velocity", from.velocity)?;
     checked_rate("start acceleration", from.acceleration)?;
     Ok(State::new(from, origin, bounds.jerk()))
@@ -140,20 +141,25 @@ fn release(state: State, range: &Range, pieces: &mut Pieces) -> State {
 /// Which way a target lies from where the quickest change of velocity ends.
 enum Side {
     /// It is just there.
-    There,
+    There(Upward),
     /// Above, or below and seen upside down.
     Above(Upward, f64),
 }
 
+/// How many last digits of a position may be rounding.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
 /// `state`, which must be inside the limits, is to get to position zero with velocity `v1`.
+///
+/// A target that is where the direct change ends but for rounding counts as there: the smallest
+/// distance less than that may ask for a whole loop.
 fn side(state: State, v1: f64, range: &Range) -> Side {
     let up = Upward::new(state, v1, -state.position, range);
     let direct = up.direct_reach();
     let more = up.reach - direct;
-    // As exact as the reach can be known from its terms.
-    let scale = up.reach.abs() + direct.abs() + (up.reach + state.position).abs();
-    if more.abs() <= 2.0 * f64::EPSILON * scale {
-        Side::There
+    let scale = up.reach.abs() + direct.abs() + state.position.abs() + range.farthest;
+    if more.abs() <= ROUNDING * scale {
+        Side::There(up)
     } else if more > 0.0 {
         Side::Above(up, 1.0)
     } else {
@@ -163,14 +169,21 @@ fn side(state: State, v1: f64, range: &Range) -> Side {
     }
 }
 
-/// Lays the quickest motion from `state`, which must be inside the limits, to position zero with
-/// velocity `v1`.
-fn quickest(state: State, v1: f64, range: &Range, pieces: &mut Pieces) {
-    match side(state, v1, range) {
-        Side::There => {
-            let up = Upward::new(state, v1, -state.position, range);
-            up.direct().lay(state.acceleration, 1.0, pieces);
+/// The quickest motion from `state` to position zero with velocity `v1`.
+fn quickest(state: State, v1: f64, range: &Range) -> Pieces {
+    let mut pieces = Pieces::default();
+    let inside = brake(state, range, &mut pieces);
+    if !pieces.as_slice().is_empty() {
+        // A direct change of velocity that happens to end there needs no way back inside.
+        let mut direct = Pieces::default();
+        let end = change(state, v1, range, &mut direct);
+        if end.position.abs() <= ROUNDING * (state.position.abs() + range.farthest) {
+            return direct;
         }
-        Side::Above(up, sign) => up.quickest().lay(up.a0, sign, pieces),
     }
+    match side(inside, v1, range) {
+        Side::There(up) => up.direct().lay(up.a0, 1.0, &mut pieces),
+        Side::Above(up, sign) => up.quickest().lay(up.a0, sign, &mut pieces),
+    }
+    pieces
 }

@@ -14,11 +14,11 @@
 //! motions that keep the limits keeps them too.
 
 use super::brake::brake;
-use super::lobes::{Lobes, Upward, change_peak, change_time};
+use super::lobes::{Lobes, change_peak, change_time};
 use super::root::{Curve, root};
 use super::unit::{Piece, Pieces, Range, State};
+use super::upward::Upward;
 use super::{Side, SignedBounds, checked_start, side};
-use crate::motion::bounds::checked_position;
 use crate::motion::error::{ProfileError, checked};
 use crate::motion::segments::Segments;
 use crate::motion::trajectory::Sample;
@@ -41,17 +41,16 @@ pub fn lasting(
     bounds: &SignedBounds,
 ) -> Result<Segments, ProfileError> {
     let outside = checked_start(from, target, bounds)?;
-    checked_position("target", target)?;
     checked("duration", duration, 0.0, f64::MAX)?;
     let jerk = bounds.jerk();
-    let range = Range::new(bounds);
+    let range = Range::new(bounds, from.position, target);
     let mut pieces = Pieces::default();
     let state = brake(outside, &range, &mut pieces);
     let braked = pieces.duration();
     let left = jerk * duration - braked;
     let (up, sign) = match side(state, 0.0, &range) {
         Side::Above(up, sign) => (up, sign),
-        Side::There => (Upward::new(state, 0.0, -state.position, &range), 0.0),
+        Side::There(up) => (up, 0.0),
     };
     let quickest = if sign == 0.0 {
         up.direct()
@@ -171,9 +170,7 @@ impl Slower {
         self.up.direct().lay(a0, 1.0, &mut near);
         self.up.farthest(self.time).lay(a0, 1.0, &mut far);
         let (nearest, farthest) = (near.carry(state).position, far.carry(state).position);
-        let share = ((distance - nearest) / (farthest - nearest))
-            .max(0.0)
-            .min(1.0);
+        let share = ((distance - nearest) / (farthest - nearest)).clamp(0.0, 1.0);
         let mut acceleration = a0;
         let (mut near, mut far) = (Stretch::new(&near), Stretch::new(&far));
         let mut left = self.time;

@@ -1,12 +1,13 @@
 //! Motions whose acceleration stays below zero: a slowing down that gets less hard in between.
 //!
-//! They begin the family of `lobes` where the start slows down and the direct change of velocity
+//! They begin the family of `upward` where the start slows down and the direct change of velocity
 //! slows down harder. Along them the peak rises from a0 to zero. With P the velocity where the
 //! release of a0 alone would lead to, what is reached may grow, fall and grow again: its slope
 //! has the sign of G = a (2 a + x) + 2 P, where a is the peak and -x the trough. G is convex in a, so
 //! there is one hill at most, and the first way over the place that is asked for is the quickest.
 
-use super::lobes::{Lobes, Upward};
+use super::lobes::Lobes;
+use super::upward::Upward;
 
 /// The member of the family where the first hill is.
 enum Hill {

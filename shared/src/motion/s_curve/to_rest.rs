@@ -1,11 +1,11 @@
 //! To rest at a target, and down to the velocity limit without passing it.
 
 use super::brake::brake;
-use super::lobes::{Lobes, Upward, change_peak, change_time};
+use super::lobes::{Lobes, change_peak, change_time};
 use super::root::{Curve, root};
 use super::unit::{Piece, Pieces, Range, State};
+use super::upward::Upward;
 use super::{Side, SignedBounds, change, checked_start, quickest, release, side};
-use crate::motion::bounds::checked_position;
 use crate::motion::error::ProfileError;
 use crate::motion::segments::Segments;
 use crate::motion::trajectory::Sample;
@@ -23,16 +23,10 @@ use crate::motion::trajectory::Sample;
 /// A value that is not a number or too large.
 pub fn to_rest(from: Sample, target: f64, bounds: &SignedBounds) -> Result<Segments, ProfileError> {
     let start = checked_start(from, target, bounds)?;
-    checked_position("target", target)?;
-    let range = Range::new(bounds);
+    let range = Range::new(bounds, from.position, target);
     let pieces = without_dip(start, 1.0, &range)
         .or_else(|| without_dip(start.mirrored(), -1.0, &range.mirrored()))
-        .unwrap_or_else(|| {
-            let mut pieces = Pieces::default();
-            let inside = brake(start, &range, &mut pieces);
-            quickest(inside, 0.0, &range, &mut pieces);
-            pieces
-        });
+        .unwrap_or_else(|| quickest(start, 0.0, &range));
     Ok(pieces.join(from, Sample::at_rest(target), bounds.jerk()))
 }
 

@@ -64,17 +64,20 @@ pub(super) struct Range {
     pub rise: f64,
     /// How strongly it may fall, positive.
     pub fall: f64,
+    /// The larger magnitude of start and target, whose digits their difference has.
+    pub farthest: f64,
     /// A time that the way back inside the limits leaves, see `brake`.
     pub margin: f64,
 }
 
 impl Range {
-    pub fn new(bounds: &SignedBounds) -> Self {
+    pub fn new(bounds: &SignedBounds, start: f64, target: f64) -> Self {
         Self {
             highest: bounds.jerk() * bounds.velocity_max(),
             lowest: bounds.jerk() * bounds.velocity_min(),
             rise: bounds.acceleration_max(),
             fall: -bounds.acceleration_min(),
+            farthest: bounds.jerk() * bounds.jerk() * start.abs().max(target.abs()),
             margin: margin(bounds),
         }
     }
@@ -86,7 +89,7 @@ impl Range {
             lowest: -self.highest,
             rise: self.fall,
             fall: self.rise,
-            margin: self.margin,
+            ..self
         }
     }
 }
