@@ -181,15 +181,20 @@ impl Motion {
         if self.phases.last().is_some_and(|last| last.end() <= tick) {
             self.phases.clear();
         }
+        if self.takeover.is_some() {
+            // What takes over stands on what the betas came to.
+            return;
+        }
         let rest = &mut self.rest;
         let phases = &mut self.phases;
         self.betas.retain(|beta| {
             let ended = beta.end() <= tick;
-            if ended && phases.is_empty() {
-                *rest = rest.saturating_add(beta.range().counts());
+            if ended {
+                let range = beta.range().counts();
+                *rest = rest.saturating_add(range);
+                phases.iter_mut().for_each(|phase| phase.shift(range));
             }
-            // Over a base that still moves an ended beta stays as a constant, until both rest.
-            !(ended && phases.is_empty())
+            !ended
         });
     }
 
@@ -212,7 +217,7 @@ impl Motion {
 
     /// Lets `chain` take over from whatever is under way at its start, which is not before `now`.
     ///
-    /// `false`, and nothing changed, where there is no room for what goes on until then.
+    /// `false`, and the motion is as it was, where there is no room for what goes on until then.
     fn take_over(&mut self, now: Tick, chain: &Chain) -> bool {
         let tick = chain.start;
         if tick <= now {
@@ -220,6 +225,7 @@ impl Motion {
             self.betas.clear();
             self.takeover = None;
         } else {
+            self.phases.retain(|phase| phase.end() > now);
             let before = |phase: &Phase| phase.first() < tick;
             let kept = self.phases.iter().filter(|phase| before(phase)).count();
             if kept + chain.phases.len() > PHASES {

@@ -34,6 +34,10 @@ const PARTS_PER_SECOND: f64 = TICKS_PER_SECOND as f64 * (1u64 << TIME_BITS) as f
 /// 1 - 2^-51: more than an f64's quotient of two rounded numbers can be too large by.
 const ROUNDED_DOWN: f64 = 1.0 - 2.0 * f64::EPSILON;
 
+/// What a jerk that was planned at its limit comes to at least, for durations that are rounded to
+/// 2^-32 of a tick.
+const ALMOST: f64 = 1.0 - 1e-6;
+
 /// A time after the start of a motion, in 2^-32 of a tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub(crate) struct Moment(u64);
@@ -51,11 +55,11 @@ impl Moment {
 
     /// The whole tick before, where that is so near that it can only be meant.
     ///
-    /// A duration in f64 misses its ticks by rounding; 2^-16 of a tick, 15 ns, is far more than
-    /// that, and a motion moves nothing in that time before it rests.
+    /// A duration in f64 misses its ticks by rounding: a few times 2^-41 s for the longest. 2^-22 of
+    /// a tick is far more than that, and a motion moves nothing in that time before it rests.
     pub(crate) fn settled(self) -> Self {
         let fraction = self.0 as u32;
-        if fraction < 1 << 16 {
+        if fraction < 1 << (TIME_BITS - 22) {
             Self(self.0 - u64::from(fraction))
         } else {
             self
@@ -187,6 +191,12 @@ impl Phase {
         *linear = linear.saturating_add(missing);
     }
 
+    /// Moves the whole phase by `counts`.
+    pub(crate) fn shift(&mut self, counts: i64) {
+        let raised = counts.saturating_mul(1 << COEFFICIENT_BITS);
+        self.from = self.from.saturating_add(raised);
+    }
+
     /// Marks the first phase of a move that leaves from rest, and that can be dropped as long as
     /// it has not begun.
     pub(crate) fn depart(&mut self) {
@@ -266,8 +276,27 @@ impl Phase {
         fastest <= limits.velocity().counts()
             && !strong(from.acceleration)
             && !strong(to.acceleration)
-            && (self.steps || self.jerk() * ROUNDED_DOWN <= limits.jerk().counts() as f64)
+            && (self.steps || self.jerk() * ALMOST <= limits.jerk().counts() as f64)
             && (between && straight || limits.allow(farthest(1.0)) && limits.allow(farthest(-1.0)))
+    }
+
+    /// Whether velocity and acceleration change from here to the next phase, or to rest, by no
+    /// more than `limits` change them in a tick: between the two there can be phases that no tick
+    /// sees.
+    pub(crate) fn joins(&self, next: Option<&Self>, limits: &Limits) -> bool {
+        let entry = next.map_or((0, 0), |next| {
+            let ([velocity, ..], [acceleration, _]) = (next.velocity, next.acceleration);
+            (velocity, acceleration)
+        });
+        let exit = self.last();
+        let within = |change: i64, limit: i64| change.abs() <= limit / TICKS_PER_SECOND as i64;
+        let strongest = limits.slower_acceleration().counts();
+        within(entry.0.saturating_sub(exit.velocity), strongest)
+            && (self.steps
+                || within(
+                    entry.1.saturating_sub(exit.acceleration),
+                    limits.jerk().counts(),
+                ))
     }
 
     /// What it ends with.

@@ -191,7 +191,11 @@ impl Motion {
         let place = self.at(now).position.counts();
         let betas = self.betas.iter().all(|beta| beta.keeps(limits))
             && (self.betas.is_empty() || overlay::keep(place, &self.betas, now, limits));
-        betas && self.phases.iter().all(|phase| phase.keeps(now, limits))
+        let following = self.phases.iter().skip(1).map(Some).chain([None]);
+        let mut joined = self.phases.iter().zip(following);
+        betas
+            && self.phases.iter().all(|phase| phase.keeps(now, limits))
+            && joined.all(|(phase, next)| phase.joins(next, limits))
     }
 }
 

@@ -157,11 +157,29 @@ impl Commanded {
             let stop = stopping(&from, &bounds)?;
             1.0f64.copysign(target - stop.end().position)
         };
-        let signed = signed(sign, &from, &bounds)?;
-        match s_curve::lasting(from, target, duration, &signed) {
-            Err(ProfileError::TooShort { .. }) => s_curve::to_rest(from, target, &signed).ok(),
-            curve => curve.ok(),
+        let limited = signed(sign, &from, &bounds)?;
+        let rise = from.acceleration * from.acceleration.abs() / (2.0 * bounds.jerk());
+        let fastest = from.velocity.abs().max((from.velocity + rise).abs());
+        if fastest <= bounds.velocity() {
+            return match s_curve::lasting(from, target, duration, &limited) {
+                Err(ProfileError::TooShort { .. }) => s_curve::to_rest(from, target, &limited).ok(),
+                curve => curve.ok(),
+            };
         }
+        // Above the velocity limit, which has been lowered. A longer duration has a cruise below
+        // the limit, and is solved without it: the way to that cruise is then one ramp too.
+        let quickest = s_curve::to_rest(from, target, &limited).ok()?;
+        if duration <= quickest.duration() {
+            return Some(quickest);
+        }
+        let wide = Bounds::new(
+            fastest * (1.0 + 1e-12),
+            bounds.acceleration(),
+            bounds.deceleration(),
+            bounds.jerk(),
+        );
+        let curve = s_curve::lasting(from, target, duration, &signed(sign, &from, &wide.ok()?)?);
+        Some(curve.unwrap_or(quickest))
     }
 
     /// To rest as quickly as the limits allow, with a multiple of the jerk limit.

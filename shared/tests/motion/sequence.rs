@@ -118,7 +118,7 @@ fn play(limits: Limits, steps: Vec<Step>, travel_first: bool) -> Result<(), Test
                 let start = Tick(now + later);
                 if let Ok(planned) = motion.start(Tick(now), start, asked, &limits) {
                     prop_assert_eq!(motion.target(), goal);
-                    prop_assert!(planned.start >= start);
+                    prop_assert!(planned.start >= start, "{planned:?} {start:?}");
                     prop_assert!(motion.end().is_none_or(|end| end <= planned.end));
                     target = Some(goal);
                     watch.steps |= profile == Profile::Trapezoid;
@@ -149,7 +149,7 @@ const SMOOTH: &[Profile] = &[Profile::Beta, Profile::SCurve];
 const ALL: &[Profile] = &[Profile::Beta, Profile::SCurve, Profile::Trapezoid];
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2_000))]
+    #![proptest_config(ProptestConfig::with_cases(4_000))]
 
     /// Beta moves, s-curves, stops and limits: the jerk is limited throughout.
     #[test]

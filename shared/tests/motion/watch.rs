@@ -59,12 +59,8 @@ impl Watch {
     /// Holds what follows to other limits, to which what is too fast must come down.
     pub fn change_limits(&mut self, limits: Limits) {
         self.limits = limits;
-        let velocity = self.last.velocity.counts() as f64;
-        let acceleration = self.last.acceleration.counts() as f64;
-        let rise = acceleration * acceleration / (2.0 * limits.jerk().counts() as f64);
-        let speeds_up = velocity * acceleration > 0.0;
-        self.fastest = velocity.abs() + if speeds_up { rise + 16.0 } else { 0.0 };
-        self.strongest = acceleration.abs();
+        self.fastest = f64::INFINITY;
+        self.strongest = self.last.acceleration.counts().abs() as f64;
     }
 
     pub fn check(&mut self, now: Setpoint) -> Result<(), TestCaseError> {
@@ -74,6 +70,12 @@ impl Watch {
         let velocity = counts(now.velocity.counts());
         let acceleration = counts(now.acceleration.counts());
 
+        // Above a limit that was lowered the speed comes down, once the acceleration that is left
+        // has been taken back.
+        let before = counts(last.velocity.counts());
+        let left = counts(last.acceleration.counts());
+        let carried = before + left * left.abs() / (2.0 * jerk);
+        self.fastest = self.fastest.min(before.abs().max(carried.abs()) + 16.0);
         let fastest = counts(limits.velocity().counts()).max(self.fastest);
         prop_assert!(velocity.abs() <= fastest, "velocity {now:?} after {last:?}");
         let slows = velocity * acceleration < 0.0;
@@ -110,12 +112,6 @@ impl Watch {
             let change = velocity - counts(last.velocity.counts());
             let bend = jerk * TICK * TICK / 2.0 + 8.0;
             prop_assert!((change - mean * TICK).abs() <= bend, "rates {now:?} after {last:?}");
-        }
-        if !slows || velocity.abs() <= counts(limits.velocity().counts()) {
-            self.fastest = self.fastest.min(fastest);
-        }
-        if slows {
-            self.fastest = self.fastest.min(velocity.abs());
         }
         self.strongest = (self.strongest - jerk * TICK * 0.99).max(0.0);
         self.last = now;
