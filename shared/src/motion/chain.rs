@@ -3,11 +3,12 @@
 //! What is solved is in turns, relative to where the motion starts: the limits of any axis are
 //! then inside what a solver accepts, and turning it into counts is exact.
 
-use super::phase::{COEFFICIENT_BITS, FARTHEST, Moment, Phase, Span};
+use super::phase::{COEFFICIENT_BITS, FARTHEST, Moment, Phase, Rates, Span};
 use super::segments::{MOST_SEGMENTS, Segments};
-use super::trajectory::{Sample, Trajectory};
+use super::trajectory::Trajectory;
+use crate::limits::Limits;
 use crate::time::{LONGEST_MOVE, Tick};
-use crate::units::COUNTS_PER_TURN;
+use crate::units::{COUNTS_PER_TURN, Position};
 use heapless::Vec;
 
 /// Phases in a row, from one tick to rest.
@@ -19,73 +20,77 @@ pub(crate) struct Chain {
     pub start: Tick,
     /// The first tick at rest.
     pub end: Tick,
+    /// Where it starts, in counts.
+    from: i64,
     /// Where it rests, in counts.
     pub rest: i64,
+    /// The least and the greatest place on its way, raised by [`COEFFICIENT_BITS`].
+    reach: (i64, i64),
 }
 
-/// One piece for a chain: until when, how long in seconds, and what it begins with.
+/// One piece for a chain: until when, and the rates that it begins and ends with.
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Piece {
     pub ends: Moment,
-    pub seconds: f64,
-    pub entry: Sample,
+    pub entry: Rates,
+    pub exit: Rates,
 }
 
 impl Chain {
     /// The phases of `segments`, in turns from the place `from`; they begin at `start` and end at
-    /// rest at `to`, or where they lead to.
+    /// rest at `to`.
     ///
     /// `None` where they last longer than a move may, or do not fit the arithmetic, which the
     /// travel of an axis rules out.
-    pub(crate) fn new(
-        segments: &Segments,
-        start: Tick,
-        from: i64,
-        to: Option<i64>,
-    ) -> Option<Self> {
+    pub(crate) fn new(segments: &Segments, start: Tick, from: i64, to: i64) -> Option<Self> {
         let whole = Moment::from_seconds(segments.duration()).settled();
-        let rest = match to {
-            Some(to) => to,
-            None => from.checked_add(counts(segments.end().position))?,
-        };
         let pieces = segments.segments();
-        // Each piece ends where the next one begins.
-        let ends = pieces
-            .iter()
-            .skip(1)
-            .map(|next| Moment::from_seconds(next.start))
-            .chain([whole]);
-        let pieces = pieces.iter().zip(ends).map(|(piece, ends)| Piece {
-            ends,
-            seconds: piece.duration,
-            entry: piece.entry,
+        // Each piece ends where and how the next one begins, the last one at rest.
+        let begins = |piece: &super::segments::Segment| {
+            let entry = Rates::new(piece.entry.velocity, piece.entry.acceleration);
+            (Moment::from_seconds(piece.start), entry)
+        };
+        let follows = pieces.iter().skip(1).map(begins);
+        let mut entry = pieces.first().map(begins).unwrap_or_default().1;
+        let follows = follows.chain([(whole, Rates::default())]);
+        let pieces = follows.map(|(ends, exit)| {
+            let piece = Piece { ends, entry, exit };
+            entry = exit;
+            piece
         });
-        Self::of(pieces, start, from, rest)
+        Self::of(pieces, start, from, Some(to))
     }
 
-    /// The phases of `pieces` from the place `from` at `start` to rest at `rest`, in counts.
+    /// The phases of `pieces` from the place `from` at `start` to rest at `to`, or where they lead
+    /// to, in counts.
     pub(crate) fn of(
         pieces: impl Iterator<Item = Piece>,
         start: Tick,
         from: i64,
-        rest: i64,
+        to: Option<i64>,
     ) -> Option<Self> {
         let far = |place: i64| place.unsigned_abs() > FARTHEST.unsigned_abs();
-        if far(from) || far(rest) {
+        if far(from) || to.is_some_and(far) {
             return None;
         }
+        let mut place = from << COEFFICIENT_BITS;
         let mut chain = Self {
             phases: Vec::new(),
             start,
             end: start,
-            rest,
+            from,
+            rest: to.unwrap_or(from),
+            reach: (place, place),
         };
-        let mut place = from << COEFFICIENT_BITS;
         let mut begins = Moment::default();
-        let mut pieces = pieces.peekable();
+        let mut ended = begins;
+        let lasts = |piece: &Piece| {
+            let lasts = ended < piece.ends;
+            ended = ended.max(piece.ends);
+            lasts
+        };
+        let mut pieces = pieces.filter(lasts).peekable();
         while let Some(piece) = pieces.next() {
-            if piece.ends <= begins {
-                continue;
-            }
             if piece.ends.ticks() > u64::from(LONGEST_MOVE.0) {
                 return None;
             }
@@ -93,12 +98,16 @@ impl Chain {
                 start,
                 from: begins,
                 to: piece.ends,
-                seconds: piece.seconds,
             };
-            let mut phase = Phase::new(span, place, piece.entry)?;
+            let mut phase = Phase::new(span, place, piece.entry, piece.exit)?;
             if pieces.peek().is_none() {
-                phase.end_at(rest << COEFFICIENT_BITS);
+                if to.is_none() {
+                    chain.rest = phase.exit_position();
+                }
+                phase.end_at(chain.rest << COEFFICIENT_BITS);
             }
+            let (least, greatest) = phase.reach();
+            chain.reach = (chain.reach.0.min(least), chain.reach.1.max(greatest));
             place = phase.exit();
             begins = piece.ends;
             chain.end = phase.end();
@@ -107,6 +116,18 @@ impl Chain {
             }
         }
         Some(chain)
+    }
+
+    /// Whether it stays inside the travel. Outside of it, the way back in belongs to it.
+    pub(crate) fn stays(&self, limits: &Limits) -> bool {
+        let (least, greatest) = self.reach;
+        // A place inside a count is one that rounds to it.
+        let half = 1 << (COEFFICIENT_BITS - 1);
+        let raised = |place: Position, from: fn(i64, i64) -> i64| {
+            from(place.counts(), self.from).saturating_mul(1 << COEFFICIENT_BITS)
+        };
+        least >= raised(limits.position_minimum(), i64::min) - half
+            && greatest < raised(limits.position_maximum(), i64::max) + half
     }
 
     /// The same chain as one that leaves from rest, and that can be dropped before.
@@ -124,48 +145,7 @@ impl Chain {
     }
 }
 
-/// The nearest count; saturates.
-pub(crate) fn counts(turns: f64) -> i64 {
-    libm::round(turns * COUNTS_PER_TURN as f64) as i64
-}
-
 /// Counts, or their rates, in turns: exact below 2^53 counts.
 pub(crate) fn turns(counts: i64) -> f64 {
     counts as f64 * (1.0 / COUNTS_PER_TURN as f64)
-}
-
-/// The least and the greatest position of `segments`, relative to their start.
-pub(crate) fn reach(segments: &Segments) -> (f64, f64) {
-    let end = segments.end().position;
-    let (mut least, mut greatest) = (end.min(0.0), end.max(0.0));
-    for piece in segments.segments() {
-        let Sample {
-            position,
-            velocity,
-            acceleration,
-            jerk,
-        } = piece.entry;
-        let mut include = |position: f64| {
-            least = least.min(position);
-            greatest = greatest.max(position);
-        };
-        include(position);
-        // The position turns where v + a t + j t^2 / 2 = 0; without a change of sign from end to
-        // end the velocity could still pass zero twice, where the acceleration changes its sign.
-        let ramp = piece.duration * jerk;
-        let exit = velocity + piece.duration * (acceleration + ramp / 2.0);
-        let crosses = (velocity > 0.0) != (exit > 0.0);
-        let bends = (acceleration > 0.0) != (acceleration + ramp > 0.0);
-        let square = acceleration * acceleration - 2.0 * jerk * velocity;
-        if square >= 0.0 && (crosses || bends) {
-            // Both roots without cancellation.
-            let sum = -(acceleration + libm::sqrt(square).copysign(acceleration));
-            for time in [sum / jerk, 2.0 * velocity / sum] {
-                if time > 0.0 && time < piece.duration {
-                    include(piece.entry.after(time).position);
-                }
-            }
-        }
-    }
-    (least, greatest)
 }

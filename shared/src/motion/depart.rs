@@ -75,7 +75,7 @@ impl Motion {
             }
             Profile::SCurve => {
                 let curve = smooth::from_rest(range, asked.duration, limits).map_err(too_fast)?;
-                Chain::new(&curve, start, self.rest, Some(rest))
+                Chain::new(&curve, start, self.rest, rest)
             }
             Profile::Trapezoid | Profile::ShapedTrapezoid { .. } => {
                 let trapezoid = shape(range, asked, limits).ok_or_else(|| {

@@ -4,10 +4,12 @@
 //! between two ticks as well as on one: its elapsed time is counted in 2^-32 of a tick, so the
 //! pieces of a time-optimal motion need no rounding to whole ticks. The next piece begins where
 //! from + d1 + d2 + d3 leads to, exactly, so rounding cannot add up over pieces.
+//!
+//! What is solved in f64 costs a device without an f64 unit about 100 instructions for each
+//! product, so it is turned into integers as soon as it is known, and multiplied there.
 
 use super::Contribution;
-use super::fixed::{multiply, scale};
-use super::trajectory::Sample;
+use super::fixed::{multiply, reciprocal, scale};
 use crate::limits::Limits;
 use crate::time::{TICKS_PER_SECOND, Tick, Ticks};
 use crate::units::{COUNTS_PER_TURN, Position};
@@ -25,14 +27,28 @@ pub(crate) const FARTHEST: i64 = 1 << (62 - COEFFICIENT_BITS);
 /// No coefficient reaches this: the sum of three fits an i64.
 const LARGEST_COEFFICIENT: u64 = 1 << 61;
 
+/// Bits behind the point of a velocity that a piece begins with, of at most 2^43 counts/s: over
+/// the longest move they make less than a count.
+const VELOCITY_BITS: u32 = COEFFICIENT_BITS;
+
+/// Bits behind the point of an acceleration that a piece begins with, of at most 2^50 counts/s^2.
+const ACCELERATION_BITS: u32 = 8;
+
+/// Bits of a turn's counts.
+const TURN_BITS: i32 = COUNTS_PER_TURN.trailing_zeros() as i32;
+
 /// Ticks behind the point of times inside a motion.
 const TIME_BITS: u32 = 32;
 
 /// Parts of 2^-32 of a tick in one second.
 const PARTS_PER_SECOND: f64 = TICKS_PER_SECOND as f64 * (1u64 << TIME_BITS) as f64;
 
-/// 1 - 2^-51: more than an f64's quotient of two rounded numbers can be too large by.
-const ROUNDED_DOWN: f64 = 1.0 - 2.0 * f64::EPSILON;
+/// 2^64 / 6
+const SIXTH: u64 = u64::MAX / 6;
+
+/// 2^9 seconds over 1000, as a Q64 fraction: what a duration in ticks is multiplied by.
+const TICK: u64 = (((1u128 << 64) << TICK_BITS) / TICKS_PER_SECOND as u128) as u64;
+const TICK_BITS: u32 = 9;
 
 /// What a jerk that was planned at its limit comes to at least, for durations that are rounded to
 /// 2^-32 of a tick.
@@ -45,7 +61,10 @@ pub(crate) struct Moment(u64);
 impl Moment {
     /// The nearest to `seconds`, which is not negative.
     pub(crate) fn from_seconds(seconds: f64) -> Self {
-        Self((seconds * PARTS_PER_SECOND + 0.5) as u64)
+        let (mantissa, exponent) = parts(seconds);
+        // 53 bits and the ten of a thousand fit.
+        let ticks = mantissa * TICKS_PER_SECOND;
+        Self(shifted(ticks, exponent + TIME_BITS as i32))
     }
 
     /// At the end of whole ticks.
@@ -107,6 +126,25 @@ pub(crate) struct Phase {
     acceleration: [i64; 2],
 }
 
+/// Velocity and acceleration where a piece begins or ends.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Rates {
+    /// Counts/s, raised by [`VELOCITY_BITS`].
+    velocity: i64,
+    /// Counts/s^2, raised by [`ACCELERATION_BITS`].
+    acceleration: i64,
+}
+
+impl Rates {
+    /// From turns/s and turns/s^2.
+    pub(crate) fn new(velocity: f64, acceleration: f64) -> Self {
+        Self {
+            velocity: fixed(velocity, TURN_BITS + VELOCITY_BITS as i32),
+            acceleration: fixed(acceleration, TURN_BITS + ACCELERATION_BITS as i32),
+        }
+    }
+}
+
 /// When a piece begins and ends, counted from the start of its motion.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Span {
@@ -116,51 +154,84 @@ pub(crate) struct Span {
     pub from: Moment,
     /// When it ends.
     pub to: Moment,
-    /// The same in seconds, with the digits that an f64 has.
-    pub seconds: f64,
+}
+
+/// A time as a factor: `fraction` of 2^`exponent` seconds.
+struct Factor {
+    fraction: u64,
+    exponent: i32,
+}
+
+impl Factor {
+    /// Of a duration that is raised by `shift` to the top of 64 bits.
+    fn new(raised: u64, shift: u32) -> Self {
+        Self {
+            fraction: multiply(raised, TICK),
+            exponent: 64 - TIME_BITS as i32 - TICK_BITS as i32 - shift as i32,
+        }
+    }
+
+    /// `value` times the time; saturates.
+    fn times(&self, value: i64) -> i64 {
+        let part = scale(value, self.fraction);
+        if self.exponent < 0 {
+            part >> self.exponent.unsigned_abs()
+        } else {
+            part.saturating_mul(1 << self.exponent)
+        }
+    }
 }
 
 impl Phase {
     /// A piece of constant jerk that begins at the place `from`, raised by [`COEFFICIENT_BITS`],
-    /// with the velocity, acceleration and jerk of `entry`, in turns and seconds.
+    /// with the rates `entry`, and ends with those of `exit`.
     ///
     /// `None` where it would run over more counts than a position can hold.
-    pub(crate) fn new(span: Span, from: i64, entry: Sample) -> Option<Self> {
-        let counts = |turns: f64| turns * COUNTS_PER_TURN as f64;
-        let velocity = counts(entry.velocity);
-        let acceleration = counts(entry.acceleration);
-        let jerk = counts(entry.jerk);
+    pub(crate) fn new(span: Span, from: i64, entry: Rates, exit: Rates) -> Option<Self> {
         let duration = span.to.0.checked_sub(span.from.0)?;
         if duration == 0 {
             return None;
         }
-        let seconds = span.seconds;
-        let raised = seconds * (1u64 << COEFFICIENT_BITS) as f64;
-        let change = acceleration * seconds;
-        let ramp = jerk * seconds;
-        let bend = ramp * seconds * 0.5;
-        let phase = Self {
+        let shift = duration.leading_zeros();
+        let raised = duration << shift;
+        let time = Factor::new(raised, shift);
+        let ramp = exit.acceleration.saturating_sub(entry.acceleration);
+        let change = time.times(entry.acceleration);
+        // Counts with the bits of an acceleration, raised to those of a coefficient.
+        let way = |rate: i64| {
+            time.times(rate)
+                .saturating_mul(1 << (COEFFICIENT_BITS - ACCELERATION_BITS))
+        };
+        let position = [
+            time.times(entry.velocity),
+            way(change) / 2,
+            scale(way(time.times(ramp)), SIXTH),
+        ];
+        let (start, end) = (
+            entry.velocity >> VELOCITY_BITS,
+            exit.velocity >> VELOCITY_BITS,
+        );
+        let change = change >> ACCELERATION_BITS;
+        let velocity = [start, change, (end - start).saturating_sub(change)];
+        let acceleration = [
+            entry.acceleration >> ACCELERATION_BITS,
+            ramp >> ACCELERATION_BITS,
+        ];
+        let fits = |value: &i64| value.unsigned_abs() < LARGEST_COEFFICIENT;
+        let fit = position.iter().chain(&velocity).chain(&acceleration).all(fits);
+        fit.then_some(Self {
             first: span.from.tick(span.start),
             end: span.to.tick(span.start),
             ahead: span.from.to_tick(),
-            shift: duration.leading_zeros() as u8,
+            shift: shift as u8,
             departs: false,
             steps: false,
-            reciprocal: reciprocal(duration << duration.leading_zeros()),
+            reciprocal: reciprocal(raised),
             from,
-            position: [
-                (velocity * raised) as i64,
-                (change * raised * 0.5) as i64,
-                (bend * raised * (1.0 / 3.0)) as i64,
-            ],
-            velocity: [velocity as i64, change as i64, bend as i64],
-            acceleration: [acceleration as i64, ramp as i64],
-        };
-        let fits = |value: &i64| value.unsigned_abs() < LARGEST_COEFFICIENT;
-        let fit = phase.position.iter().all(fits)
-            && phase.velocity.iter().all(fits)
-            && phase.acceleration.iter().all(fits);
-        fit.then_some(phase)
+            position,
+            velocity,
+            acceleration,
+        })
     }
 
     /// The first tick that the phase covers.
@@ -221,6 +292,40 @@ impl Phase {
     /// The position where the phase begins, in counts.
     pub(crate) fn entry_position(&self) -> i64 {
         rounded(self.from)
+    }
+
+    /// The position where the next phase begins, in counts.
+    pub(crate) fn exit_position(&self) -> i64 {
+        rounded(self.exit())
+    }
+
+    /// The least and the greatest place on its way, raised by [`COEFFICIENT_BITS`].
+    pub(crate) fn reach(&self) -> (i64, i64) {
+        let exit = self.exit();
+        let mut reach = (self.from.min(exit), self.from.max(exit));
+        let [v0, v1, v2] = self.velocity;
+        let [a0, a1] = self.acceleration;
+        // The place turns where the velocity passes zero: between two velocities of different
+        // signs, or twice where it comes near zero and the acceleration changes its sign.
+        let crosses = v0.signum() * (v0 + v1 + v2).signum() < 0;
+        let nears = v0.signum() * a0.signum() < 0 && a0.signum() * (a0 + a1).signum() < 0;
+        if crosses || nears {
+            let [v0, v1, v2] = [v0, v1, v2].map(|coefficient| coefficient as f64);
+            let square = v1 * v1 - 4.0 * v2 * v0;
+            if square >= 0.0 {
+                // Both roots without cancellation.
+                let sum = -0.5 * (v1 + libm::sqrt(square).copysign(v1));
+                for u in [sum / v2, v0 / sum] {
+                    if u > 0.0 && u < 1.0 {
+                        let [d1, d2, d3] = self.position.map(|coefficient| coefficient as f64);
+                        let moved = u * (d1 + u * (d2 + u * d3));
+                        let place = self.from.saturating_add(moved as i64);
+                        reach = (reach.0.min(place), reach.1.max(place));
+                    }
+                }
+            }
+        }
+        reach
     }
 
     /// The place where the next phase begins, raised by [`COEFFICIENT_BITS`].
@@ -304,7 +409,7 @@ impl Phase {
         let [v0, v1, v2] = self.velocity;
         let [a0, a1] = self.acceleration;
         Contribution {
-            position: rounded(self.exit()),
+            position: self.exit_position(),
             velocity: v0 + v1 + v2,
             acceleration: a0 + a1,
         }
@@ -336,10 +441,45 @@ fn rounded(place: i64) -> i64 {
     place.saturating_add(HALF) >> COEFFICIENT_BITS
 }
 
-/// 2^127 / `duration` for a duration in [2^63, 2^64): at most 2^-50 of it too small, never too
-/// large.
-fn reciprocal(duration: u64) -> u64 {
-    const NUMERATOR: f64 = (1u128 << 127) as f64 * ROUNDED_DOWN;
-    // The saturating conversion gives 2^64 - 1 for the 2^64 of a power of two.
-    (NUMERATOR / duration as f64) as u64
+/// The mantissa of a magnitude, and the exponent of its last bit. What is not a number is endless.
+fn parts(value: f64) -> (u64, i32) {
+    const MANTISSA_BITS: u32 = f64::MANTISSA_DIGITS - 1;
+    let bits = value.to_bits();
+    let exponent = (bits >> MANTISSA_BITS) & 0x7FF;
+    if exponent == 0 {
+        // Zero, or too small to count.
+        return (0, 0);
+    }
+    let mantissa = (bits & ((1 << MANTISSA_BITS) - 1)) | (1 << MANTISSA_BITS);
+    // 1023 is the exponent of one.
+    (mantissa, exponent as i32 - 1023 - MANTISSA_BITS as i32)
+}
+
+/// `value` times 2^`exponent`, rounded to the nearest; saturates.
+fn shifted(value: u64, exponent: i32) -> u64 {
+    if value == 0 {
+        0
+    } else if exponent >= 0 {
+        if exponent as u32 <= value.leading_zeros() {
+            value << exponent
+        } else {
+            u64::MAX
+        }
+    } else if exponent > -64 {
+        // Half of the last place that is left.
+        ((value >> (-exponent - 1)) + 1) >> 1
+    } else {
+        0
+    }
+}
+
+/// `value` times 2^`bits`, rounded to the nearest; saturates.
+fn fixed(value: f64, bits: i32) -> i64 {
+    let (mantissa, exponent) = parts(value);
+    let magnitude = shifted(mantissa, exponent + bits).min(i64::MAX as u64) as i64;
+    if value.is_sign_negative() {
+        -magnitude
+    } else {
+        magnitude
+    }
 }

@@ -1,9 +1,7 @@
 //! Another target, or other limits, in mid-move: from the commanded state, and nothing jumps.
 
-use super::bounds::Bounds;
-use super::chain::{Chain, counts, reach, turns};
+use super::chain::{Chain, turns};
 use super::depart::{inside, shortest};
-use super::segments::Segments;
 use super::{Motion, Move, OVERLAID_MOVES, PlanError, Planned, Profile};
 use super::{overlay, smooth, trapezoid};
 use crate::limits::Limits;
@@ -77,24 +75,20 @@ impl Motion {
         limits: &Limits,
     ) -> Option<Chain> {
         let commanded = self.commanded(start);
-        let from = commanded.state.position;
-        let distance = turns((target - from).counts());
-        let stepping = matches!(
-            profile,
-            Profile::Trapezoid | Profile::ShapedTrapezoid { .. }
-        );
-        let curve = if stepping {
-            let velocity = turns(commanded.state.velocity.counts());
-            let bounds: Bounds = smooth::bounds(limits)?;
-            trapezoid::to_rest(velocity, distance, duration.seconds(), &bounds).ok()?
-        } else {
-            commanded.to_rest(distance, duration.seconds(), limits)?
+        let chain = match profile {
+            Profile::Trapezoid | Profile::ShapedTrapezoid { .. } => {
+                let from = commanded.state.position;
+                let velocity = turns(commanded.state.velocity.counts());
+                let distance = turns((target - from).counts());
+                let bounds = smooth::bounds(limits)?;
+                let pieces = trapezoid::to_rest(velocity, distance, duration.seconds(), &bounds);
+                Chain::of(pieces, start, from.counts(), Some(target.counts()))?.stepping()
+            }
+            Profile::Beta | Profile::SCurve => {
+                commanded.to_rest(start, target, duration, limits)?
+            }
         };
-        if !stays(&curve, from, limits) {
-            return None;
-        }
-        let chain = Chain::new(&curve, start, from.counts(), Some(target.counts()))?;
-        Some(if stepping { chain.stepping() } else { chain })
+        chain.stays(limits).then_some(chain)
     }
 
     /// Goes on to the target inside other limits, from `now` on; gives the first tick at rest.
@@ -204,13 +198,4 @@ struct Departure {
     start: Tick,
     duration: Ticks,
     profile: Profile,
-}
-
-/// Whether `curve` stays inside the travel from the place `from`. Outside of it, the way back in
-/// belongs to it.
-pub(super) fn stays(curve: &Segments, from: Position, limits: &Limits) -> bool {
-    let (least, greatest) = reach(curve);
-    let to = |turns: f64| Position::from_counts(from.counts().saturating_add(counts(turns)));
-    to(least) >= limits.position_minimum().min(from)
-        && to(greatest) <= limits.position_maximum().max(from)
 }

@@ -2,13 +2,14 @@
 
 use super::Setpoint;
 use super::bounds::Bounds;
-use super::chain::turns;
+use super::chain::{Chain, turns};
 use super::error::ProfileError;
 use super::s_curve::{self, SignedBounds};
 use super::segments::Segments;
+use super::stop::Braking;
 use super::trajectory::{Sample, Trajectory};
 use crate::limits::Limits;
-use crate::time::Ticks;
+use crate::time::{Tick, Ticks};
 use crate::units::Position;
 
 /// Counts that a plan stays below each limit, for what the tick's rounding may add.
@@ -140,50 +141,35 @@ impl Commanded {
         entry
     }
 
-    /// To rest at `target` turns from here in `duration` seconds, or as quickly as the limits
-    /// allow where that is longer.
+    /// To rest at `target` in `duration`, or as quickly as the limits allow where that is longer;
+    /// it begins at `start`.
     pub(crate) fn to_rest(
         &self,
-        target: f64,
-        duration: f64,
+        start: Tick,
+        target: Position,
+        duration: Ticks,
         limits: &Limits,
-    ) -> Option<Segments> {
+    ) -> Option<Chain> {
         let bounds = bounds(limits)?;
         let from = self.entry(&bounds);
-        let sign = if bounds.acceleration() == bounds.deceleration() {
-            1.0
-        } else {
-            // Beyond the place where it can stop it goes on, and short of that it goes back.
-            let stop = stopping(&from, &bounds)?;
-            1.0f64.copysign(target - stop.end().position)
-        };
-        let limited = signed(sign, &from, &bounds)?;
-        let rise = from.acceleration * from.acceleration.abs() / (2.0 * bounds.jerk());
-        let fastest = from.velocity.abs().max((from.velocity + rise).abs());
-        if fastest <= bounds.velocity() {
-            return match s_curve::lasting(from, target, duration, &limited) {
-                Err(ProfileError::TooShort { .. }) => s_curve::to_rest(from, target, &limited).ok(),
-                curve => curve.ok(),
-            };
+        let place = self.state.position;
+        let distance = turns((target - place).counts());
+        let stop = Braking::new(&from, &bounds);
+        // Short of the place where it can stop it goes back, and beyond that it goes on.
+        let beyond = distance - stop.distance();
+        let seconds = stop.duration();
+        let rounding = turns(ROUNDING_MARGIN as i64) * (1.0 + seconds + seconds * seconds);
+        if beyond.abs() <= rounding && duration.seconds() <= seconds + Ticks(1).seconds() {
+            // A state in whole counts stops beside the target by a few of them.
+            return Chain::of(stop.pieces(), start, place.counts(), Some(target.counts()));
         }
-        // Above the velocity limit, which has been lowered. A longer duration has a cruise below
-        // the limit, and is solved without it: the way to that cruise is then one ramp too.
-        let quickest = s_curve::to_rest(from, target, &limited).ok()?;
-        if duration <= quickest.duration() {
-            return Some(quickest);
-        }
-        let wide = Bounds::new(
-            fastest * (1.0 + 1e-12),
-            bounds.acceleration(),
-            bounds.deceleration(),
-            bounds.jerk(),
-        );
-        let curve = s_curve::lasting(from, target, duration, &signed(sign, &from, &wide.ok()?)?);
-        Some(curve.unwrap_or(quickest))
+        let sign = 1.0f64.copysign(beyond);
+        let curve = quickest(&from, distance, duration.seconds(), sign, &bounds)?;
+        Chain::new(&curve, start, place.counts(), target.counts())
     }
 
     /// To rest as quickly as the limits allow, with a multiple of the jerk limit.
-    pub(crate) fn stop(&self, limits: &Limits, times: f64) -> Option<Segments> {
+    pub(crate) fn stop(&self, now: Tick, limits: &Limits, times: f64) -> Option<Chain> {
         let own = bounds(limits)?;
         let jerk = own.jerk() * times;
         let harder = Bounds::new(own.velocity(), own.acceleration(), own.deceleration(), jerk);
@@ -193,18 +179,43 @@ impl Commanded {
             // A trapezoid that speeds up steps to none: taking it back would cost speed and time.
             from.acceleration = 0.0;
         }
-        stopping(&from, &bounds)
+        let stop = Braking::new(&from, &bounds);
+        Chain::of(stop.pieces(), now, self.state.position.counts(), None)
     }
 }
 
-fn stopping(from: &Sample, bounds: &Bounds) -> Option<Segments> {
-    // What slows down in the end is the deceleration against the velocity that is left once the
-    // acceleration has been taken back.
+/// From a state whose motion to `target` turns begins with a lobe of this `sign`, in `duration`
+/// seconds or as quickly as the limits allow.
+fn quickest(
+    from: &Sample,
+    target: f64,
+    duration: f64,
+    sign: f64,
+    bounds: &Bounds,
+) -> Option<Segments> {
+    let limited = signed(sign, from, bounds)?;
     let rise = from.acceleration * from.acceleration.abs() / (2.0 * bounds.jerk());
-    let signed = if from.velocity + rise < 0.0 {
-        SignedBounds::backward(bounds)
-    } else {
-        SignedBounds::forward(bounds)
-    };
-    s_curve::change_velocity(*from, 0.0, &signed.ok()?).ok()
+    let fastest = from.velocity.abs().max((from.velocity + rise).abs());
+    if fastest <= bounds.velocity() {
+        return match s_curve::lasting(*from, target, duration, &limited) {
+            Err(ProfileError::TooShort { .. }) => {
+                s_curve::to_rest(*from, target, &limited).ok()
+            }
+            curve => curve.ok(),
+        };
+    }
+    // Above the velocity limit, which has been lowered. A longer duration has a cruise below the
+    // limit, and is solved without it: the way to that cruise is then one ramp too.
+    let quickest = s_curve::to_rest(*from, target, &limited).ok()?;
+    if duration <= quickest.duration() {
+        return Some(quickest);
+    }
+    let wide = Bounds::new(
+        fastest * (1.0 + 1e-12),
+        bounds.acceleration(),
+        bounds.deceleration(),
+        bounds.jerk(),
+    );
+    let curve = s_curve::lasting(*from, target, duration, &signed(sign, from, &wide.ok()?)?);
+    Some(curve.unwrap_or(quickest))
 }

@@ -12,9 +12,8 @@ pub mod exact;
 pub(crate) use cruise::to_rest;
 
 use super::chain::{Chain, Piece, turns};
-use super::phase::Moment;
+use super::phase::{Moment, Rates};
 use super::smooth::ROUNDING_MARGIN;
-use super::trajectory::Sample;
 use crate::limits::Limits;
 use crate::time::{LONGEST_MOVE, TICKS_PER_SECOND, Tick, Ticks};
 use crate::units::Position;
@@ -147,25 +146,19 @@ impl Trapezoid {
     pub(crate) fn chain(&self, start: Tick, from: i64, to: i64) -> Option<Chain> {
         let rate = TICKS_PER_SECOND as f64;
         let velocity = self.cruise_velocity(turns(to.saturating_sub(from)));
-        let at = |velocity, acceleration| Sample {
-            position: 0.0,
-            velocity,
-            acceleration,
-            jerk: 0.0,
-        };
-        let fall = self.acceleration.0 + self.cruise.0;
+        let fall = Ticks(self.acceleration.0 + self.cruise.0);
         let up = velocity * rate / f64::from(self.acceleration.0);
-        let down = velocity * rate / f64::from(self.deceleration.0);
+        let down = -velocity * rate / f64::from(self.deceleration.0);
         let pieces = [
-            (self.acceleration, self.acceleration, at(0.0, up)),
-            (self.cruise, Ticks(fall), at(velocity, 0.0)),
-            (self.deceleration, self.duration(), at(velocity, -down)),
+            (self.acceleration, up, 0.0, velocity),
+            (fall, 0.0, velocity, velocity),
+            (self.duration(), down, velocity, 0.0),
         ];
-        let pieces = pieces.into_iter().map(|(duration, ends, entry)| Piece {
+        let pieces = pieces.into_iter().map(|(ends, acceleration, from, to)| Piece {
             ends: Moment::from_ticks(ends),
-            seconds: duration.seconds(),
-            entry,
+            entry: Rates::new(from, acceleration),
+            exit: Rates::new(to, acceleration),
         });
-        Some(Chain::of(pieces, start, from, to)?.stepping())
+        Some(Chain::of(pieces, start, from, Some(to))?.stepping())
     }
 }
