@@ -146,7 +146,7 @@ enum Side {
     Above(Upward, f64),
 }
 
-/// How many last digits of a position may be rounding.
+/// How much of a number may be rounding, in relation to what it was made of.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// `state`, which must be inside the limits, is to get to position zero with velocity `v1`.
@@ -155,10 +155,9 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// distance less than that may ask for a whole loop.
 fn side(state: State, v1: f64, range: &Range) -> Side {
     let up = Upward::new(state, v1, -state.position, range);
-    let direct = up.direct_reach();
+    let (direct, noise) = up.direct_reach();
     let more = up.reach - direct;
-    let scale = up.reach.abs() + direct.abs() + state.position.abs() + range.farthest;
-    if more.abs() <= ROUNDING * scale {
+    if more.abs() <= noise + ROUNDING * range.farthest {
         Side::There(up)
     } else if more > 0.0 {
         Side::Above(up, 1.0)

@@ -1,7 +1,7 @@
 //! The members of the family of `upward`, case by case: which limits of acceleration are held.
 
 use super::lobes::{Lobes, change_peak, change_time};
-use super::root::{Curve, root, rough_cube_root};
+use super::root::{Curve, SMOOTH, root, rough_cube_root};
 use super::unit::Range;
 use super::upward::Upward;
 
@@ -106,7 +106,7 @@ impl Upward {
             }
         };
         let guess = self.guess(low, &curve);
-        self.with_length(root(low, high, guess, curve))
+        self.with_length(root(low, high, guess, SMOOTH, curve))
     }
 
     /// Where no limit is reached and peak and trough differ by `s`.
@@ -204,5 +204,5 @@ fn held_root(limit: f64, velocity: f64, rest: f64, low: f64, high: f64) -> f64 {
             curvature: (6.0 * square + limit * limit) + 2.0 * velocity,
         }
     };
-    root(low, high, high, curve)
+    root(low, high, high, SMOOTH, curve)
 }

@@ -15,10 +15,11 @@
 
 use super::brake::brake;
 use super::lobes::{Lobes, change_peak, change_time};
-use super::root::{Curve, root};
+use super::root::{CORNERED, Curve, root};
 use super::unit::{Piece, Pieces, Range, State};
 use super::upward::Upward;
 use super::{Side, SignedBounds, checked_start, side};
+use crate::motion::bounds::LARGEST;
 use crate::motion::error::{ProfileError, checked};
 use crate::motion::segments::Segments;
 use crate::motion::trajectory::Sample;
@@ -41,7 +42,7 @@ pub fn lasting(
     bounds: &SignedBounds,
 ) -> Result<Segments, ProfileError> {
     let outside = checked_start(from, target, bounds)?;
-    checked("duration", duration, 0.0, f64::MAX)?;
+    checked("duration", duration, 0.0, LARGEST)?;
     let jerk = bounds.jerk();
     let range = Range::new(bounds, from.position, target);
     let mut pieces = Pieces::default();
@@ -86,17 +87,9 @@ struct Slower {
 }
 
 impl Slower {
-    /// The change of velocity to `velocity`.
-    fn change(&self, velocity: f64) -> Upward {
-        Upward {
-            v1: velocity,
-            ..self.up
-        }
-    }
-
     /// What is left of the time for a cruise at `velocity`.
     fn cruise(&self, velocity: f64) -> f64 {
-        let change = self.change(velocity).direct().duration(self.up.a0);
+        let change = self.up.to_velocity(velocity).direct().duration(self.up.a0);
         self.time - change - change_time(velocity, self.up.range.fall)
     }
 
@@ -111,7 +104,7 @@ impl Slower {
         } = self.up;
         let curve = |velocity: f64| {
             let stop = Triangle::new(velocity, range.fall);
-            let (change, turn, sign) = if self.change(velocity).rises() {
+            let (change, turn, sign) = if self.up.to_velocity(velocity).rises() {
                 (Triangle::new(velocity - begin, range.rise), a0, -1.0)
             } else {
                 let top = begin + a0 * a0;
@@ -140,13 +133,16 @@ impl Slower {
         if highest <= 0.0 || curve(highest).value < 0.0 {
             return None;
         }
-        let velocity = root(0.0, highest, reach / self.time, curve);
+        let velocity = root(0.0, highest, reach / self.time, CORNERED, curve);
         (self.cruise(velocity) >= 0.0).then_some(velocity)
     }
 
     /// Lays the motion that cruises at `velocity`.
     fn lay(&self, velocity: f64, sign: f64, pieces: &mut Pieces) {
-        self.change(velocity).direct().lay(self.up.a0, sign, pieces);
+        self.up
+            .to_velocity(velocity)
+            .direct()
+            .lay(self.up.a0, sign, pieces);
         pieces.push(Piece::cruise(self.cruise(velocity), sign * velocity));
         let (trough, trough_hold) = change_peak(velocity, self.up.range.fall);
         let stop = Lobes {

@@ -11,16 +11,24 @@ pub(super) struct Curve {
 /// Steps after which the search ends, whatever the curve: halving alone would have found all bits.
 const MOST_STEPS: usize = 80;
 
-/// Once a step is this small in relation, the next one would be below the last bit: each cubes
-/// the error.
-const LAST_STEP: f64 = 1e-6;
+/// The step, in relation to the place, after which there is no need for another one where the
+/// curve is smooth: each cubes the error.
+pub(super) const SMOOTH: f64 = 1e-6;
+/// The same where the curve has corners: down to the last bits.
+pub(super) const CORNERED: f64 = 4.0 * f64::EPSILON;
 
 /// Where `curve`, which is not above zero at `low` and not below zero at `high`, passes zero
-/// upwards; beginning at `guess`.
+/// upwards; beginning at `guess` and ending after a step smaller than `last_step` in relation.
 ///
 /// Each step goes to the root of the parabola that touches the curve, which also finds a double
 /// root quickly (Halley's irrational method); where that leaves the interval, to its middle.
-pub(super) fn root(low: f64, high: f64, guess: f64, curve: impl Fn(f64) -> Curve) -> f64 {
+pub(super) fn root(
+    low: f64,
+    high: f64,
+    guess: f64,
+    last_step: f64,
+    curve: impl Fn(f64) -> Curve,
+) -> f64 {
     let (mut low, mut high) = (low, high);
     let mut at = if guess > low && guess < high {
         guess
@@ -47,7 +55,7 @@ pub(super) fn root(low: f64, high: f64, guess: f64, curve: impl Fn(f64) -> Curve
             (turn - slope) / curvature
         };
         let next = at + step;
-        if step.abs() <= LAST_STEP * at.abs() {
+        if step.abs() <= last_step * at.abs() {
             return next.max(low).min(high);
         }
         at = if next > low && next < high {

@@ -2,7 +2,7 @@
 
 use super::brake::brake;
 use super::lobes::{Lobes, change_peak, change_time};
-use super::root::{Curve, root};
+use super::root::{CORNERED, Curve, root};
 use super::unit::{Piece, Pieces, Range, State};
 use super::upward::Upward;
 use super::{Side, SignedBounds, change, checked_start, quickest, release, side};
@@ -14,10 +14,10 @@ use crate::motion::trajectory::Sample;
 ///
 /// A start that is above the velocity limit, or would be once its acceleration is released, comes
 /// down to the limit in one change of velocity and stays there until it must stop for the target.
-/// [`super::time_optimal`] is quicker by a little: it passes the limit with all its deceleration,
-/// goes below it and comes up again. Where the target is too near to get to the limit, the velocity
-/// comes down in two steps or in one, and never rises. From all other starts, and where the target
-/// has been missed already, the motion is the time-optimal one.
+/// [`super::time_optimal`] passes the limit with all its deceleration, goes below it and comes up
+/// again, as Ruckig does, and is a little slower. Where the target is too near to get to the
+/// limit, the velocity comes down in two steps or in one, and never rises. From all other starts,
+/// and where the target has been missed already, the motion is that of `time_optimal`.
 ///
 /// # Errors
 /// A value that is not a number or too large.
@@ -71,20 +71,16 @@ fn without_dip(start: State, sign: f64, range: &Range) -> Option<Pieces> {
 fn two_steps(up: &Upward) -> Option<f64> {
     let range = up.range;
     let curve = |velocity: f64| {
-        let change = Upward {
-            v1: velocity,
-            ..*up
-        };
         let stop = velocity / 2.0 * change_time(velocity, range.fall);
         Curve {
-            value: change.direct_reach() + stop - up.reach,
+            value: up.to_velocity(velocity).direct_reach().0 + stop - up.reach,
             // Halving is enough here: such a start is rare.
             slope: 0.0,
             curvature: 0.0,
         }
     };
     (curve(0.0).value <= 0.0 && curve(range.highest).value >= 0.0)
-        .then(|| root(0.0, range.highest, range.highest / 2.0, curve))
+        .then(|| root(0.0, range.highest, range.highest / 2.0, CORNERED, curve))
 }
 
 /// Lays a stop from `velocity`, without acceleration.

@@ -23,6 +23,7 @@
 //! downwards). So the first of its members that gets to d is the quickest, and which limits it
 //! holds is told by R at the peak velocities where a limit is just reached.
 
+use super::ROUNDING;
 use super::lobes::{Lobes, change_peak, change_time};
 use super::unit::{Range, State};
 
@@ -38,6 +39,11 @@ pub(super) struct Upward {
     /// R: the displacement from there.
     pub reach: f64,
     pub range: Range,
+    /// K.
+    gain: f64,
+    /// How much of K may be rounding. A start that only has to release its acceleration would
+    /// otherwise get a lobe as high as the square root of that.
+    noise: f64,
 }
 
 impl Upward {
@@ -47,13 +53,31 @@ impl Upward {
             acceleration: a0,
             ..
         } = state;
+        let begin = v0 - a0 * a0 / 2.0;
+        Self {
+            reach: distance + a0 * (v0 - a0 * a0 / 3.0),
+            ..Self::change(a0, begin, v1, range)
+        }
+    }
+
+    /// A change of velocity, to no particular place.
+    fn change(a0: f64, begin: f64, v1: f64, range: &Range) -> Self {
+        let noise = ROUNDING * (begin.abs() + v1.abs() + a0 * a0);
+        let gain = v1 - begin;
         Self {
             a0,
-            begin: v0 - a0 * a0 / 2.0,
+            begin,
             v1,
-            reach: distance + a0 * (v0 - a0 * a0 / 3.0),
+            reach: 0.0,
             range: *range,
+            gain: if gain.abs() <= noise { 0.0 } else { gain },
+            noise,
         }
+    }
+
+    /// From the same start to another velocity.
+    pub fn to_velocity(&self, v1: f64) -> Self {
+        Self::change(self.a0, self.begin, v1, &self.range)
     }
 
     /// d: the displacement from the start.
@@ -64,7 +88,7 @@ impl Upward {
 
     /// K: what the squares of peak and trough differ by.
     pub fn gain(&self) -> f64 {
-        self.v1 - self.begin
+        self.gain
     }
 
     /// S: twice the mean of the velocities at both ends.
@@ -74,24 +98,37 @@ impl Upward {
 
     /// Whether the quickest change of velocity begins by raising the acceleration.
     pub fn rises(&self) -> bool {
-        let squared = if self.a0 > 0.0 {
-            self.a0 * self.a0
+        let raised = self.a0.max(0.0);
+        self.gain >= raised * raised - self.noise
+    }
+
+    /// R of the quickest change of velocity, and how much of it may be rounding.
+    pub fn direct_reach(&self) -> (f64, f64) {
+        let Self { a0, begin, v1, .. } = *self;
+        let v0 = begin + a0 * a0 / 2.0;
+        let (limit, time, reach) = if self.rises() {
+            let time = change_time(self.gain, self.range.rise);
+            (self.range.rise, time, self.sum() / 2.0 * time)
+        } else {
+            // The same upside down, where it rises.
+            let top = begin + a0 * a0;
+            let time = change_time(a0 * a0 - self.gain, self.range.fall);
+            (
+                self.range.fall,
+                time,
+                2.0 * v0 * a0 + (top + v1) / 2.0 * time,
+            )
+        };
+        // K is known to its noise, and the time in proportion to the lobe: 1 / limit where it
+        // is held, otherwise 1 / peak = 2 / time. The smaller a lobe, the more rounding it shows.
+        let doubt = if time > 0.0 {
+            self.noise * (2.0 / time).max(1.0 / limit)
         } else {
             0.0
         };
-        self.gain() >= squared
-    }
-
-    /// R of the quickest change of velocity.
-    pub fn direct_reach(&self) -> f64 {
-        let (a0, gain) = (self.a0, self.gain());
-        if self.rises() {
-            return self.sum() / 2.0 * change_time(gain, self.range.rise);
-        }
-        // The same upside down, where it rises.
-        let top = self.begin + a0 * a0;
-        let v0 = self.begin + a0 * a0 / 2.0;
-        2.0 * v0 * a0 + (top + self.v1) / 2.0 * change_time(a0 * a0 - gain, self.range.fall)
+        let terms = (v0 * a0).abs() + reach.abs() + self.reach.abs();
+        let noise = ROUNDING * terms + doubt * (v0.abs() + v1.abs());
+        (reach, noise)
     }
 
     /// The quickest change of velocity.

@@ -1,0 +1,13 @@
+//! The promise of `motion::s_curve`: the durations of published vectors, limits kept, ends exact,
+//! nothing quicker; over random states and limits of every size.
+
+/// Here so that the files lie in a folder of their own.
+mod s_curve {
+    mod any_bits;
+    mod lasting;
+    mod optimal;
+    mod random;
+    mod symmetry;
+    mod to_rest;
+    mod vectors;
+}

@@ -1,0 +1,147 @@
+//! Against what Ruckig 0.19.4 computed; see tests/vectors.
+
+use canter_shared::motion::s_curve::{SignedBounds, change_velocity, lasting, time_optimal};
+use canter_shared::motion::segments::Segments;
+use canter_shared::motion::trajectory::{Sample, Trajectory};
+use std::collections::HashMap;
+use std::path::Path;
+
+fn text(name: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../tests/vectors")
+        .join(name);
+    std::fs::read_to_string(&path).expect("the vectors are part of the project")
+}
+
+/// Rows by the names of their columns.
+fn rows(name: &str) -> Vec<HashMap<String, String>> {
+    let text = text(name);
+    let mut lines = text.lines();
+    let names: Vec<&str> = lines.next().expect("a header").split(',').collect();
+    let rows: Vec<_> = lines
+        .map(|line| {
+            let cells = line.split(',').map(str::to_owned);
+            names
+                .iter()
+                .map(|name| (*name).to_owned())
+                .zip(cells)
+                .collect()
+        })
+        .collect();
+    assert!(!rows.is_empty());
+    rows
+}
+
+/// The cell as a number; `otherwise` where it is empty.
+fn number(row: &HashMap<String, String>, name: &str, otherwise: f64) -> f64 {
+    match row[name].as_str() {
+        "" => otherwise,
+        cell => cell.parse().expect("a number"),
+    }
+}
+
+fn planned(row: &HashMap<String, String>) -> Segments {
+    let get = |name| number(row, name, f64::NAN);
+    let (fastest, strongest) = (get("v_max"), get("a_max"));
+    let bounds = SignedBounds::new(
+        fastest,
+        number(row, "v_min", -fastest),
+        strongest,
+        number(row, "a_min", -strongest),
+        get("j_max"),
+    )
+    .expect("valid limits");
+    let from = Sample {
+        acceleration: get("a0"),
+        ..Sample::coasting(get("p0"), get("v0"))
+    };
+    let planned = if row["kind"] == "velocity_iface_stop" {
+        change_velocity(from, get("vf"), &bounds)
+    } else {
+        time_optimal(from, Sample::coasting(get("pf"), get("vf")), &bounds)
+    };
+    planned.expect("a valid case")
+}
+
+/// Every kind but the one without a limit of jerk, which is a trapezoid.
+fn cases() -> HashMap<String, Segments> {
+    let cases: HashMap<_, _> = rows("ruckig_cases.csv")
+        .iter()
+        .filter(|row| row["kind"] != "trap_nojerk")
+        .map(|row| (row["case"].clone(), planned(row)))
+        .collect();
+    assert_eq!(cases.len(), 170);
+    cases
+}
+
+#[test]
+fn durations_are_equal() {
+    let cases = cases();
+    for row in rows("ruckig_cases.csv") {
+        let Some(curve) = cases.get(&row["case"]) else {
+            continue;
+        };
+        let want = number(&row, "duration", f64::NAN);
+        let error = (curve.duration() - want) / want;
+        assert!(error.abs() <= 1e-12, "{row:?}: {error}");
+    }
+}
+
+#[test]
+fn samples_are_equal() {
+    let cases = cases();
+    let mut compared = 0;
+    for row in rows("ruckig_points.csv") {
+        let Some(curve) = cases.get(&row["case"]) else {
+            continue;
+        };
+        let get = |name| number(&row, name, f64::NAN);
+        let at = curve.at(get("t"));
+        let peaks = curve.peaks();
+        let range = (0..=10)
+            .map(|tenth| curve.at(curve.duration() * f64::from(tenth) / 10.0))
+            .map(|at| (at.position - curve.start().position).abs())
+            .fold(0.0, f64::max);
+        let position = (at.position - get("pos")).abs();
+        let velocity = (at.velocity - get("vel")).abs();
+        let acceleration = (at.acceleration - get("acc")).abs();
+        assert!(position <= 1e-9 * range, "{row:?}: {at:?}");
+        assert!(velocity <= 1e-9 * peaks.velocity, "{row:?}: {at:?}");
+        assert!(acceleration <= 1e-9 * peaks.acceleration, "{row:?}: {at:?}");
+        compared += 1;
+    }
+    assert_eq!(compared, 170 * 11);
+}
+
+/// Axes that start and arrive together: ours cruise at the velocity that theirs cruise at.
+#[test]
+fn synchronised_samples_are_equal() {
+    let groups: serde_json::Value =
+        serde_json::from_str(&text("ruckig_sync.json")).expect("valid JSON");
+    let groups = groups.as_array().expect("a list");
+    assert!(!groups.is_empty());
+    let mut worst: f64 = 0.0;
+    for group in groups {
+        let value = |name: &str, axis: usize| group[name][axis].as_f64().expect("a number");
+        let duration = group["duration"].as_f64().expect("a number");
+        for axis in 0..group["p0"].as_array().expect("a list").len() {
+            let (fastest, strongest) = (value("v_max", axis), value("a_max", axis));
+            let jerk = value("j_max", axis);
+            let bounds = SignedBounds::new(fastest, -fastest, strongest, -strongest, jerk)
+                .expect("valid limits");
+            let (from, to) = (value("p0", axis), value("pf", axis));
+            let alone = time_optimal(Sample::at_rest(from), Sample::at_rest(to), &bounds)
+                .expect("a valid case");
+            let want = value("independent_min", axis);
+            assert!((alone.duration() - want).abs() <= 1e-12 * want);
+            let curve = lasting(Sample::at_rest(from), to, duration, &bounds).expect("long enough");
+            for sample in group["samples"].as_array().expect("a list") {
+                let at = curve.at(sample["t"].as_f64().expect("a number"));
+                let want = sample["p"][axis].as_f64().expect("a number");
+                let error = (at.position - want).abs() / (to - from).abs();
+                worst = worst.max(error);
+            }
+        }
+    }
+    assert!(worst <= 1e-7, "{worst}");
+}
