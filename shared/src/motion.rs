@@ -13,16 +13,19 @@
 //! | `beta` | the beta S-curve, integers and f64 |
 //! | `s_curve` | time-optimal with a limit of jerk, from state to state |
 //! | `trapezoid` | constant acceleration, cruise, constant deceleration |
-//! | `s_curve` | the time-optimal curve of limited jerk in f64 |
 //! | `smooth` | s-curves on the device |
 //! | `depart` | moves from rest |
 //! | `retarget` | another target, or other limits, in mid-move |
 //! | `overlay` | whether beta moves laid over each other keep the limits |
+//! | `polynomial` | cubic, quintic and septic between boundary values |
+//! | `bezier` | Bezier curves up to degree 16 |
+//! | `sync` | several axes that arrive together, or on a straight line |
 //! | `stop` | the controlled stop from any state |
 //! | `chain`, `phase` | polynomial pieces in integers |
 //! | `fixed` | 64-bit fractions |
 
 pub mod beta;
+pub mod bezier;
 pub mod bounds;
 mod chain;
 mod depart;
@@ -30,12 +33,14 @@ pub mod error;
 mod fixed;
 mod overlay;
 mod phase;
+pub mod polynomial;
 mod request;
 mod retarget;
 pub mod s_curve;
 pub mod segments;
 mod smooth;
 mod stop;
+pub mod sync;
 pub mod trajectory;
 pub mod trapezoid;
 

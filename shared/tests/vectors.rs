@@ -3,6 +3,9 @@
 /// Here so that the files lie in a folder of their own.
 mod vectors {
     mod beta;
+    mod beta_general;
     mod csv;
+    mod polynomial;
+    mod ratios;
     mod trapezoid;
 }

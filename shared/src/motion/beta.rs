@@ -12,9 +12,11 @@
 //! F is the incomplete beta function with both parameters p + 1 = 7/2. Of all p, 5/2 has the
 //! least peak jerk, because the jerk's peaks in the middle and at x = +-sqrt(3)/2 are equal there.
 //!
-//! [`Beta`] is the device's evaluator, in integers; [`exact`] is the same curve in f64.
+//! [`Beta`] is the device's evaluator, in integers; [`exact`] is the same curve in f64, and
+//! [`general`] has any p from 2 to 5.
 
 pub mod exact;
+pub mod general;
 
 use super::Setpoint;
 use super::fixed::{ALMOST_ONE, multiply, scale, square_root};

@@ -64,6 +64,14 @@ impl Bounds {
         self.acceleration.min(self.deceleration)
     }
 
+    /// The same limits without one of jerk.
+    pub const fn without_jerk(&self) -> Self {
+        Self {
+            jerk: f64::INFINITY,
+            ..*self
+        }
+    }
+
     /// The largest jerk; infinite where there is no limit.
     pub const fn jerk(&self) -> f64 {
         self.jerk

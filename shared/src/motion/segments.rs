@@ -2,8 +2,8 @@
 //!
 //! Each piece is evaluated from where the one before it ends, so position and velocity are
 //! continuous to the bit there (unless the planner knows the entry more exactly); the last one is
-//! evaluated backwards from the end that was asked for, so that the end is exact and the curve
-//! near it keeps its digits.
+//! evaluated backwards from the end that was asked for in its second half, so that the end is
+//! exact and the curve near it keeps its digits.
 
 use super::trajectory::{Peaks, Sample, Trajectory};
 use heapless::Vec;
@@ -169,11 +169,9 @@ impl Trajectory for Segments {
         // The first whose successor has not begun; a NaN finds the last.
         let last = self.segments.len().saturating_sub(1);
         for (index, segment) in self.segments.iter().enumerate() {
-            if index == last {
-                break;
-            }
             let elapsed = time - segment.start;
-            if elapsed < segment.duration {
+            let whole = if index == last { 0.5 } else { 1.0 } * segment.duration;
+            if elapsed < whole {
                 return segment.entry.after(elapsed);
             }
         }

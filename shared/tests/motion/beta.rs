@@ -1,6 +1,7 @@
 //! The device's beta curve against the exact one.
 
 use canter_shared::motion::beta::{Beta, exact};
+use canter_shared::motion::trajectory::Trajectory;
 use canter_shared::time::{Tick, Ticks};
 use canter_shared::units::Position;
 use proptest::prelude::*;
@@ -37,7 +38,7 @@ proptest! {
         let tick = (f64::from(duration) * part) as u32;
         let got = beta.at(Tick(u64::from(tick)));
         let seconds = f64::from(duration) / 1e3;
-        let want = exact::Profile::with_duration(0.0, range.radians(), seconds)
+        let want = exact::Profile::lasting(0.0, range.radians(), seconds)
             .expect("valid")
             .at(f64::from(tick) / 1e3);
         let peak_velocity = beta.peak_velocity().radians();

@@ -37,7 +37,7 @@ fn quick(profile: Profile, target: f64, limits: &Limits) -> Move {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2_000))]
+    #![proptest_config(ProptestConfig::with_cases(20_000))]
 
     /// The speed comes down to the new limit, never dips below it, and nothing goes back.
     #[test]

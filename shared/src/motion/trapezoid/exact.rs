@@ -10,13 +10,17 @@
 //! |---|---|---|---|
 //! | [`plan`] | acceleration | deceleration | velocities inside the limit, no detour |
 //! | [`lasting`] | as plan, or deceleration to a slower cruise | as plan, or acceleration | as plan |
-//! | [`to_rest`] | by speed: slowing is deceleration | deceleration | any velocity, to rest |
+//! | [`to_rest`], [`to_rest_lasting`] | by speed: slowing is deceleration | deceleration | any velocity, to rest |
 //! | [`time_optimal`] | by sign, as Ruckig's second order | by sign | any velocity, any in the limits |
+
+mod lasting;
+
+pub use lasting::{lasting, to_rest_lasting};
 
 use crate::motion::bounds::{Bounds, checked_position, checked_rate};
 use crate::motion::error::{ProfileError, checked};
 use crate::motion::segments::{Builder, Segments};
-use crate::motion::trajectory::{Sample, Trajectory};
+use crate::motion::trajectory::Sample;
 
 /// Rounding that a boundary case may carry: what an error said could be reached is accepted.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
@@ -162,136 +166,6 @@ pub fn plan(from: Sample, to: Sample, bounds: &Bounds) -> Result<Segments, Profi
     Ok(laid.end(to.position, to.velocity))
 }
 
-/// The trapezoid that takes `duration` seconds, with ramps at the limits and the slowest cruise.
-///
-/// With start or stop velocities the cruise may be slower than they: the first ramp then slows
-/// down at the deceleration limit, and the last speeds up at the acceleration limit. The duration
-/// is met to rounding.
-///
-/// # Errors
-/// As [`plan`]; [`ProfileError::TooShort`] with the least duration; and [`ProfileError::Value`] for
-/// a duration longer than the velocities leave room for without turning back.
-pub fn lasting(
-    from: Sample,
-    to: Sample,
-    duration: f64,
-    bounds: &Bounds,
-) -> Result<Segments, ProfileError> {
-    let quickest = plan(from, to, bounds)?;
-    let forward = checked_ends(&from, &to, bounds)?;
-    let shortest = quickest.duration();
-    if duration < shortest * (1.0 - ROUNDING) {
-        return Err(ProfileError::TooShort { duration, shortest });
-    }
-    let longest = forward.longest(bounds).max(shortest);
-    checked("duration", duration, shortest.min(duration), longest)?;
-    if duration <= shortest {
-        return Ok(quickest);
-    }
-    let ramps = forward.slower(duration, bounds);
-    let cruise = (duration - ramps.first.duration) - ramps.last.duration;
-    let laid = Builder::new(Sample::coasting(from.position, from.velocity))
-        .acceleration(ramps.first.duration, forward.sign * ramps.first.rate)
-        .acceleration(cruise, 0.0)
-        .acceleration(ramps.last.duration, forward.sign * ramps.last.rate);
-    Ok(laid.end(to.position, to.velocity))
-}
-
-/// A ramp: how long, and its acceleration with its sign.
-#[derive(Debug, Clone, Copy)]
-struct Ramp {
-    duration: f64,
-    rate: f64,
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Ramps {
-    first: Ramp,
-    last: Ramp,
-}
-
-impl Forward {
-    /// The first and the last ramp around a cruise at `velocity`.
-    fn around(&self, velocity: f64, bounds: &Bounds) -> Ramps {
-        let (up, down) = (bounds.acceleration(), bounds.deceleration());
-        let first = if velocity >= self.start { up } else { -down };
-        let last = if velocity >= self.stop { -down } else { up };
-        Ramps {
-            first: Ramp {
-                duration: (velocity - self.start) / first,
-                rate: first,
-            },
-            last: Ramp {
-                duration: (self.stop - velocity) / last,
-                rate: last,
-            },
-        }
-    }
-
-    /// The whole duration with a cruise at `velocity`, which is positive.
-    fn duration_at(&self, velocity: f64, bounds: &Bounds) -> f64 {
-        let Ramps { first, last } = self.around(velocity, bounds);
-        let way = |ramp: Ramp, other: f64| 0.5 * (other + velocity) * ramp.duration;
-        let cruise = self.distance - way(first, self.start) - way(last, self.stop);
-        first.duration + last.duration + cruise.max(0.0) / velocity
-    }
-
-    /// The longest duration without turning back; infinite where the move can stop on its way.
-    fn longest(&self, bounds: &Bounds) -> f64 {
-        let (up, down) = (bounds.acceleration(), bounds.deceleration());
-        if self.start <= 0.0 || self.stop <= 0.0 {
-            return f64::INFINITY;
-        }
-        let stopping = self.start * self.start * (0.5 / down) + self.stop * self.stop * (0.5 / up);
-        let missing = stopping - self.distance;
-        if missing <= 0.0 {
-            return f64::INFINITY;
-        }
-        // The dip that leaves no cruise.
-        let k = 0.5 / up + 0.5 / down;
-        let lowest = libm::sqrt(missing / k).min(self.start.min(self.stop));
-        (self.start - lowest) / down + (self.stop - lowest) / up
-    }
-
-    /// The ramps of a move of `duration`, which is between the shortest and the longest.
-    ///
-    /// With x the cruise velocity and s = 1 where it is above the start (stop) velocity, else -1,
-    /// T x = R + s0 (x - v0)^2 / (2 a0) + s1 (x - v1)^2 / (2 a1). Of the two roots the one counts
-    /// where T falls as x grows.
-    fn slower(&self, duration: f64, bounds: &Bounds) -> Ramps {
-        let below =
-            |velocity: f64| velocity > 0.0 && self.duration_at(velocity, bounds) <= duration;
-        let (up, down) = (bounds.acceleration(), bounds.deceleration());
-        // s / (2 a)
-        let first = if below(self.start) {
-            -0.5 / down
-        } else {
-            0.5 / up
-        };
-        let last = if below(self.stop) {
-            -0.5 / up
-        } else {
-            0.5 / down
-        };
-        let square = first + last;
-        let linear = duration + 2.0 * (first * self.start + last * self.stop);
-        let constant =
-            self.distance + first * self.start * self.start + last * self.stop * self.stop;
-        let root = libm::sqrt((linear * linear - 4.0 * square * constant).max(0.0));
-        let velocity = if linear >= 0.0 {
-            2.0 * constant / (linear + root)
-        } else {
-            (linear - root) / (2.0 * square)
-        };
-        let velocity = if velocity > 0.0 {
-            velocity.min(bounds.velocity())
-        } else {
-            0.0
-        };
-        self.around(velocity, bounds)
-    }
-}
-
 /// The quickest way from any position and velocity to rest at `target`.
 ///
 /// Whoever comes too fast overshoots and comes back; whoever is faster than the velocity limit
@@ -301,6 +175,28 @@ impl Forward {
 /// # Errors
 /// [`ProfileError::Value`] for a position or velocity that is not a number or beyond 1e15.
 pub fn to_rest(from: Sample, target: f64, bounds: &Bounds) -> Result<Segments, ProfileError> {
+    let Approach {
+        builder,
+        mut forward,
+        beyond,
+    } = approach(from, target, bounds)?;
+    let builder = forward.slow_to_limit(builder, bounds);
+    let phases = forward.quickest(beyond, bounds);
+    let laid = forward.lay(builder, phases, bounds);
+    Ok(laid.end(target, 0.0))
+}
+
+/// A way to rest from where it leads straight to the target.
+struct Approach {
+    /// The turning back before that.
+    builder: Builder,
+    forward: Forward,
+    /// How much farther the target is than the braking distance.
+    beyond: f64,
+}
+
+/// Turns back first where the target is behind.
+fn approach(from: Sample, target: f64, bounds: &Bounds) -> Result<Approach, ProfileError> {
     let start = checked_position("start position", from.position)?;
     let stop = checked_position("target", target)?;
     let velocity = checked_rate("start velocity", from.velocity)?;
@@ -314,18 +210,19 @@ pub fn to_rest(from: Sample, target: f64, bounds: &Bounds) -> Result<Segments, P
         start: sign * velocity,
         stop: 0.0,
     };
-    let mut builder = Builder::new(Sample::coasting(from.position, from.velocity));
+    let beyond = beyond.abs();
+    let mut builder = Builder::new(Sample::coasting(start, velocity));
     if forward.start < 0.0 {
-        builder = builder.acceleration(
-            -forward.start / bounds.deceleration(),
-            sign * bounds.deceleration(),
-        );
+        let deceleration = bounds.deceleration();
+        builder = builder.acceleration(-forward.start / deceleration, sign * deceleration);
         forward.start = 0.0;
+        forward.distance = beyond;
     }
-    let builder = forward.slow_to_limit(builder, bounds);
-    let phases = forward.quickest(beyond.abs(), bounds);
-    let laid = forward.lay(builder, phases, bounds);
-    Ok(laid.end(stop, 0.0))
+    Ok(Approach {
+        builder,
+        forward,
+        beyond,
+    })
 }
 
 impl Forward {
