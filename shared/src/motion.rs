@@ -13,7 +13,7 @@
 //! | `beta` | the beta S-curve, integers and f64 |
 //! | `s_curve` | time-optimal with a limit of jerk, from state to state |
 //! | `trapezoid` | constant acceleration, cruise, constant deceleration |
-//! | `smooth` | s-curves on the device |
+//! | `smooth`, `slower`, `change` | s-curves on the device, with a slower cruise, one ramp of them |
 //! | `depart` | moves from rest |
 //! | `retarget` | another target, or other limits, in mid-move |
 //! | `overlay` | whether beta moves laid over each other keep the limits |
@@ -28,6 +28,7 @@ pub mod beta;
 pub mod bezier;
 pub mod bounds;
 mod chain;
+mod change;
 mod depart;
 pub mod error;
 mod fixed;
@@ -38,6 +39,7 @@ mod request;
 mod retarget;
 pub mod s_curve;
 pub mod segments;
+mod slower;
 mod smooth;
 mod stop;
 pub mod sync;

@@ -1,7 +1,6 @@
 //! Taking on a move: from rest as it is asked for, otherwise as a retarget.
 
 use super::beta::Beta;
-use super::chain::Chain;
 use super::trapezoid::Trapezoid;
 use super::{Motion, Move, PlanError, Planned, Profile, smooth};
 use crate::limits::Limits;
@@ -74,8 +73,8 @@ impl Motion {
                 });
             }
             Profile::SCurve => {
-                let curve = smooth::from_rest(range, asked.duration, limits).map_err(too_fast)?;
-                Chain::new(&curve, start, self.rest, rest)
+                let chain = smooth::from_rest(start, self.rest, range, asked.duration, limits);
+                Some(chain.map_err(too_fast)?)
             }
             Profile::Trapezoid | Profile::ShapedTrapezoid { .. } => {
                 let trapezoid = shape(range, asked, limits).ok_or_else(|| {

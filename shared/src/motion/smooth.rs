@@ -3,10 +3,9 @@
 use super::Setpoint;
 use super::bounds::Bounds;
 use super::chain::{Chain, turns};
-use super::error::ProfileError;
+use super::change::{Change, Strength};
 use super::s_curve::{self, SignedBounds};
-use super::segments::Segments;
-use super::stop::Braking;
+use super::slower::slower;
 use super::trajectory::{Sample, Trajectory};
 use crate::limits::Limits;
 use crate::time::{Tick, Ticks};
@@ -49,67 +48,59 @@ fn whole_ticks(seconds: f64) -> Option<Ticks> {
     Ticks::from_seconds_ceil(seconds * (1.0 - 1e-12))
 }
 
-/// From rest over `range` in `duration`; otherwise the least duration, where there is one.
+/// From rest over `range` in `duration`, from the place `from` at `start`; otherwise the least
+/// duration, where there is one.
 pub(crate) fn from_rest(
+    start: Tick,
+    from: i64,
     range: Position,
     duration: Ticks,
     limits: &Limits,
-) -> Result<Segments, Option<Ticks>> {
+) -> Result<Chain, Option<Ticks>> {
     let bounds = bounds(limits).ok_or(None)?;
-    let range = turns(range.counts());
-    let signed = if range < 0.0 {
-        SignedBounds::backward(&bounds)
-    } else {
-        SignedBounds::forward(&bounds)
-    };
-    let from = Sample::at_rest(0.0);
-    let signed = signed.map_err(|_| None)?;
-    match s_curve::lasting(from, range, duration.seconds(), &signed) {
-        Ok(curve) => Ok(curve),
-        Err(ProfileError::TooShort { shortest, .. }) => match whole_ticks(shortest) {
-            // As long as the ticks are but for rounding.
-            Some(least) if least <= duration => {
-                s_curve::to_rest(from, range, &signed).map_err(|_| None)
-            }
-            least => Err(least),
-        },
-        Err(_) => Err(None),
+    let to = from.saturating_add(range.counts());
+    let target = turns(range.counts());
+    let sign = 1.0f64.copysign(target);
+    let rest = Sample::at_rest(0.0);
+    let strong = bounds.acceleration();
+    if let Some(pieces) = slower(&rest, target, duration, sign, strong, &bounds) {
+        return Chain::of(pieces, start, from, Some(to)).ok_or(None);
+    }
+    let curve = s_curve::plan(rest, Sample::at_rest(target), &bounds).map_err(|_| None)?;
+    match whole_ticks(curve.duration()) {
+        Some(least) if least <= duration => {
+            Chain::new(&curve, start, from, to).ok_or(None)
+        }
+        least => Err(least),
     }
 }
 
-/// The limit that counts while the speed rises, and while it falls.
-#[derive(Clone, Copy)]
-struct Speeding {
-    up: f64,
-    down: f64,
-}
-
-/// The limits by sign for a motion whose first lobe has this `sign` and whose last one brakes.
+/// What the speed may rise with in a first lobe of this `sign`.
 ///
 /// A first lobe that begins against its own direction slows down before it speeds up, so the
 /// lesser of both limits counts.
-fn signed(sign: f64, from: &Sample, bounds: &Bounds) -> Option<SignedBounds> {
+fn speeding(sign: f64, from: &Sample, bounds: &Bounds) -> f64 {
     let (velocity, acceleration) = (sign * from.velocity, sign * from.acceleration);
     let dip = if acceleration < 0.0 {
-        acceleration * acceleration / (2.0 * bounds.jerk())
+        0.5 * acceleration * acceleration
     } else {
         0.0
     };
-    let limit = Speeding {
-        up: if velocity >= dip {
-            bounds.acceleration()
-        } else {
-            bounds.slower_acceleration()
-        },
-        down: bounds.deceleration(),
-    };
-    let (greatest, least) = if sign < 0.0 {
-        (limit.down, -limit.up)
+    if velocity * bounds.jerk() >= dip {
+        bounds.acceleration()
     } else {
-        (limit.up, -limit.down)
+        bounds.slower_acceleration()
+    }
+}
+
+/// The stop from a state.
+fn stopping(from: &Sample, bounds: &Bounds) -> Change<f64> {
+    let strength = Strength {
+        rise: bounds.deceleration(),
+        fall: bounds.deceleration(),
+        jerk: bounds.jerk(),
     };
-    let velocity = bounds.velocity();
-    SignedBounds::new(velocity, -velocity, greatest, least, bounds.jerk()).ok()
+    Change::new(from.velocity, from.acceleration, 0.0, &strength)
 }
 
 impl Commanded {
@@ -154,17 +145,28 @@ impl Commanded {
         let from = self.entry(&bounds);
         let place = self.state.position;
         let distance = turns((target - place).counts());
-        let stop = Braking::new(&from, &bounds);
+        let stop = stopping(&from, &bounds);
         // Short of the place where it can stop it goes back, and beyond that it goes on.
         let beyond = distance - stop.distance();
         let seconds = stop.duration();
         let rounding = turns(ROUNDING_MARGIN as i64) * (1.0 + seconds + seconds * seconds);
         if beyond.abs() <= rounding && duration.seconds() <= seconds + Ticks(1).seconds() {
             // A state in whole counts stops beside the target by a few of them.
-            return Chain::of(stop.pieces(), start, place.counts(), Some(target.counts()));
+            return Chain::of(stop.pieces(0.0), start, place.counts(), Some(target.counts()));
         }
         let sign = 1.0f64.copysign(beyond);
-        let curve = quickest(&from, distance, duration.seconds(), sign, &bounds)?;
+        let strong = speeding(sign, &from, &bounds);
+        if let Some(pieces) = slower(&from, distance, duration, sign, strong, &bounds) {
+            return Chain::of(pieces, start, place.counts(), Some(target.counts()));
+        }
+        let (greatest, least) = if sign < 0.0 {
+            (bounds.deceleration(), -strong)
+        } else {
+            (strong, -bounds.deceleration())
+        };
+        let velocity = bounds.velocity();
+        let signed = SignedBounds::new(velocity, -velocity, greatest, least, bounds.jerk()).ok()?;
+        let curve = s_curve::to_rest(from, distance, &signed).ok()?;
         Chain::new(&curve, start, place.counts(), target.counts())
     }
 
@@ -179,43 +181,7 @@ impl Commanded {
             // A trapezoid that speeds up steps to none: taking it back would cost speed and time.
             from.acceleration = 0.0;
         }
-        let stop = Braking::new(&from, &bounds);
-        Chain::of(stop.pieces(), now, self.state.position.counts(), None)
+        let stop = stopping(&from, &bounds);
+        Chain::of(stop.pieces(0.0), now, self.state.position.counts(), None)
     }
-}
-
-/// From a state whose motion to `target` turns begins with a lobe of this `sign`, in `duration`
-/// seconds or as quickly as the limits allow.
-fn quickest(
-    from: &Sample,
-    target: f64,
-    duration: f64,
-    sign: f64,
-    bounds: &Bounds,
-) -> Option<Segments> {
-    let limited = signed(sign, from, bounds)?;
-    let rise = from.acceleration * from.acceleration.abs() / (2.0 * bounds.jerk());
-    let fastest = from.velocity.abs().max((from.velocity + rise).abs());
-    if fastest <= bounds.velocity() {
-        return match s_curve::lasting(*from, target, duration, &limited) {
-            Err(ProfileError::TooShort { .. }) => {
-                s_curve::to_rest(*from, target, &limited).ok()
-            }
-            curve => curve.ok(),
-        };
-    }
-    // Above the velocity limit, which has been lowered. A longer duration has a cruise below the
-    // limit, and is solved without it: the way to that cruise is then one ramp too.
-    let quickest = s_curve::to_rest(*from, target, &limited).ok()?;
-    if duration <= quickest.duration() {
-        return Some(quickest);
-    }
-    let wide = Bounds::new(
-        fastest * (1.0 + 1e-12),
-        bounds.acceleration(),
-        bounds.deceleration(),
-        bounds.jerk(),
-    );
-    let curve = s_curve::lasting(*from, target, duration, &signed(sign, from, &wide.ok()?)?);
-    Some(curve.unwrap_or(quickest))
 }
