@@ -11,7 +11,7 @@ use super::trajectory::Sample;
 use crate::time::Ticks;
 
 /// Halvings of the bracket, or better, in f32.
-const STEPS: usize = 24;
+const STEPS: usize = 20;
 
 /// A motion towards greater places that is to reach one within a time.
 #[derive(Debug, Clone, Copy)]
@@ -28,6 +28,9 @@ struct Wanted<F> {
 struct Tried<F> {
     change: Change<F>,
     stop: Change<F>,
+    /// Of the cruise.
+    velocity: F,
+    /// Seconds of the cruise.
     cruise: F,
     /// How far beyond the target it gets.
     beyond: F,
@@ -43,6 +46,7 @@ impl<F: Number> Wanted<F> {
         Tried {
             change,
             stop,
+            velocity,
             cruise,
             beyond: reached - self.target,
         }
@@ -50,6 +54,25 @@ impl<F: Number> Wanted<F> {
 }
 
 impl Wanted<f64> {
+    /// The motion that reaches the target in time with a cruise up to `fastest`.
+    fn solved(&self, fastest: f64) -> Option<Tried<f64>> {
+        let coarse = self.coarse();
+        let (velocity, slope) = coarse.cruise(fastest as f32)?;
+        // Clearly without a cruise: f64 would not change that.
+        if coarse.with(velocity).cruise < -1e-3 * coarse.duration {
+            return None;
+        }
+        let first = self.with(f64::from(velocity));
+        let mut tried = self.with(first.velocity - first.beyond / f64::from(slope));
+        let gained = first.beyond - tried.beyond;
+        if gained != 0.0 {
+            let share = tried.beyond / gained;
+            tried = self.with(tried.velocity - share * (first.velocity - tried.velocity));
+        }
+        let inside = 0.0 < tried.velocity && tried.velocity <= fastest && 0.0 <= tried.cruise;
+        inside.then_some(tried)
+    }
+
     fn coarse(&self) -> Wanted<f32> {
         Wanted {
             velocity: self.velocity as f32,
@@ -66,16 +89,41 @@ impl Wanted<f64> {
 }
 
 impl Wanted<f32> {
+    /// The fastest cruise, up to `fastest`, that the time is enough for, or a little more; `None`
+    /// where it is not even enough for a stop.
+    fn fastest(&self, fastest: f32) -> Option<f32> {
+        let enough = |velocity: f32| self.with(velocity).cruise >= 0.0;
+        if enough(fastest) {
+            return Some(fastest);
+        }
+        // What the velocity comes to when the acceleration is taken back: the ramps to there and
+        // to rest are those of a stop, and to more they last longer.
+        let taken = self.acceleration * self.acceleration.abs() / (2.0 * self.strength.jerk);
+        let mut slow = clamped(self.velocity + taken, fastest);
+        if !enough(slow) {
+            return None;
+        }
+        let mut fast = fastest;
+        for _ in 0..STEPS {
+            let middle = 0.5 * (slow + fast);
+            if enough(middle) {
+                slow = middle;
+            } else {
+                fast = middle;
+            }
+        }
+        Some(fast)
+    }
+
     /// The velocity of the cruise up to `fastest`, and how much farther it gets for each unit of
     /// it; `None` where the time is too short.
     fn cruise(&self, fastest: f32) -> Option<(f32, f32)> {
-        let (mut slow, mut fast) = (0.0, fastest);
+        let (mut slow, mut fast) = (0.0, self.fastest(fastest)?);
         let mut short = self.with(slow).beyond;
         let mut far = self.with(fast).beyond;
         if far.is_nan() || far < 0.0 || short > 0.0 {
             return None;
         }
-        let mut slope = (far - short) / (fast - slow);
         // Regula falsi; the end that stays twice counts half (Illinois).
         let mut stayed = 0i32;
         for _ in 0..STEPS {
@@ -85,14 +133,12 @@ impl Wanted<f32> {
             }
             let beyond = self.with(velocity).beyond;
             if beyond > 0.0 {
-                slope = (far - beyond) / (fast - velocity);
                 (fast, far) = (velocity, beyond);
                 stayed = stayed.min(0) - 1;
                 if stayed < -1 {
                     short *= 0.5;
                 }
             } else {
-                slope = (beyond - short) / (velocity - slow);
                 (slow, short) = (velocity, beyond);
                 stayed = stayed.max(0) + 1;
                 if stayed > 1 {
@@ -100,8 +146,23 @@ impl Wanted<f32> {
                 }
             }
         }
-        let nearer = if far < -short { fast } else { slow };
-        Some((nearer, slope))
+        let velocity = if far < -short { fast } else { slow };
+        let step = 4e-3 * velocity + 1e-5 * fast;
+        let slope = (self.with(velocity + step).beyond - self.with(velocity).beyond) / step;
+        // Without ramps it would be the duration.
+        let slope = if slope > 0.0 { slope } else { self.duration };
+        Some((velocity, slope))
+    }
+}
+
+/// A velocity from zero to `fastest`.
+fn clamped(velocity: f32, fastest: f32) -> f32 {
+    if velocity < 0.0 {
+        0.0
+    } else if velocity > fastest {
+        fastest
+    } else {
+        velocity
     }
 }
 
@@ -129,34 +190,13 @@ pub(crate) fn slower(
             jerk: bounds.jerk(),
         },
     };
-    let coarse = wanted.coarse();
-    let (velocity, slope) = coarse.cruise(bounds.velocity() as f32)?;
-    // Clearly without a cruise: f64 would not change that.
-    if coarse.with(velocity).cruise < -1e-3 * coarse.duration {
-        return None;
-    }
-    let first = f64::from(velocity);
-    let before = wanted.with(first);
-    let mut velocity = first;
-    let mut tried = before;
-    if slope > 0.0 {
-        velocity = first - before.beyond / f64::from(slope);
-        tried = wanted.with(velocity);
-        let gained = before.beyond - tried.beyond;
-        if gained != 0.0 {
-            velocity -= tried.beyond * (first - velocity) / gained;
-            tried = wanted.with(velocity);
-        }
-    }
     let Tried {
         change,
         stop,
+        velocity,
         cruise,
         ..
-    } = tried;
-    if !(0.0 <= cruise && 0.0 < velocity && velocity <= bounds.velocity()) {
-        return None;
-    }
+    } = wanted.solved(bounds.velocity())?;
     let (change, stop) = if sign < 0.0 {
         (change.mirrored(), stop.mirrored())
     } else {
@@ -179,4 +219,67 @@ pub(crate) fn slower(
         ..piece
     });
     Some(change.pieces(0.0).chain([coast]).chain(stop))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::s_curve::{self, SignedBounds};
+    use crate::motion::trajectory::Trajectory;
+    use crate::units::COUNTS_PER_TURN;
+    use proptest::prelude::*;
+
+    fn wanted() -> impl Strategy<Value = (Wanted<f64>, f64)> {
+        let strength = (0.0..3.0f64, 0.0..3.0f64, 0.0..3.5f64).prop_map(|(rise, fall, jerk)| {
+            let (rise, fall) = (libm::exp10(rise), libm::exp10(fall));
+            Strength {
+                rise,
+                fall,
+                jerk: rise.max(fall) * libm::exp10(jerk),
+            }
+        });
+        let from = (0.05..200.0f64, -1.0..1.0f64, -1.0..1.0f64);
+        let to = (0.0..60.0f64, 0.01..10.0f64);
+        (strength, from, to).prop_map(|(strength, (fastest, velocity, acceleration), to)| {
+            let wanted = Wanted {
+                velocity: fastest * velocity,
+                acceleration: strength.rise.min(strength.fall) * acceleration,
+                target: to.0,
+                duration: to.1,
+                strength,
+            };
+            (wanted, fastest)
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(20_000))]
+
+        #[test]
+        fn what_is_found_is_exact((wanted, fastest) in wanted()) {
+            if let Some(tried) = wanted.solved(fastest) {
+                prop_assert!(tried.beyond.abs() * COUNTS_PER_TURN as f64 <= 1.0, "{tried:?}");
+            }
+        }
+
+        /// From rest the general solver finds the same, so nothing is missed.
+        #[test]
+        fn from_rest_whatever_is_long_enough_is_found(
+            (wanted, fastest) in wanted(),
+            longer in 1.001..5.0f64,
+        ) {
+            let Strength { rise, fall, jerk } = wanted.strength;
+            let signed = SignedBounds::new(fastest, -fastest, rise, -fall, jerk).expect("valid");
+            let (from, to) = (Sample::at_rest(0.0), Sample::at_rest(wanted.target + 0.01));
+            let quickest = s_curve::time_optimal(from, to, &signed).expect("valid");
+            let rested = Wanted {
+                velocity: 0.0,
+                acceleration: 0.0,
+                target: to.position,
+                duration: quickest.duration() * longer,
+                ..wanted
+            };
+            prop_assert!(rested.solved(fastest).is_some(), "{rested:?} {}", quickest.duration());
+        }
+    }
 }
