@@ -7,6 +7,7 @@ use crate::robot::Robot;
 use canter_shared::axis::state::State;
 use canter_shared::limits::{DEFAULT_VALUES, LimitValues, Limits};
 use canter_shared::motion::beta::Beta;
+use canter_shared::motion::shortest_s_curve;
 use canter_shared::motion::trapezoid::Trapezoid;
 use canter_shared::time::{LONGEST_MOVE, Ticks};
 use canter_shared::units::{Acceleration, Position, Velocity};

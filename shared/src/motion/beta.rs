@@ -22,7 +22,7 @@ use super::Setpoint;
 use super::fixed::{ALMOST_ONE, multiply, scale, square_root};
 use crate::limits::Limits;
 use crate::time::{LONGEST_MOVE, Tick, Ticks};
-use crate::units::{Acceleration, Position, Velocity};
+use crate::units::{Acceleration, Jerk, Position, Velocity};
 use core::f64::consts::PI;
 
 /// Peak velocity of the unit curve: 32 / (5 pi) R / T.
@@ -87,6 +87,25 @@ pub(crate) struct Contribution {
     pub acceleration: i64,
 }
 
+impl Contribution {
+    /// At rest at a place.
+    pub(crate) fn at_rest(position: i64) -> Self {
+        Self {
+            position,
+            ..Self::default()
+        }
+    }
+
+    /// The same as a setpoint.
+    pub(crate) fn setpoint(self) -> Setpoint {
+        Setpoint {
+            position: Position::from_counts(self.position),
+            velocity: Velocity::from_counts(self.velocity),
+            acceleration: Acceleration::from_counts(self.acceleration),
+        }
+    }
+}
+
 impl Beta {
     /// A move by `range` that starts to move after `start` and rests from `start + duration` on.
     ///
@@ -139,11 +158,20 @@ impl Beta {
         Some(duration)
     }
 
-    /// Whether the move keeps the velocity, acceleration and deceleration limits.
+    /// Whether the move keeps the velocity, acceleration, deceleration and jerk limits.
     pub fn keeps(&self, limits: &Limits) -> bool {
         self.range.unsigned_abs() <= LARGEST_RANGE
             && self.peak_velocity() <= limits.velocity()
             && self.peak_acceleration() <= limits.slower_acceleration()
+            && self.peak_jerk() <= limits.jerk()
+    }
+
+    /// The largest jerk of the move, without its sign.
+    pub fn peak_jerk(&self) -> Jerk {
+        let seconds = self.duration.seconds();
+        let magnitude = self.range.unsigned_abs() as f64;
+        let peak = PEAK_JERK * magnitude / (seconds * seconds * seconds);
+        Jerk::from_counts(peak as i64)
     }
 
     /// The largest velocity of the move, without its sign.
@@ -178,12 +206,7 @@ impl Beta {
 
     /// The move's own setpoint at `tick`, with the start as position zero.
     pub fn at(&self, tick: Tick) -> Setpoint {
-        let part = self.contribution(tick);
-        Setpoint {
-            position: Position::from_counts(part.position),
-            velocity: Velocity::from_counts(part.velocity),
-            acceleration: Acceleration::from_counts(part.acceleration),
-        }
+        self.contribution(tick).setpoint()
     }
 
     /// The difference of position from the start at `tick`.
@@ -206,10 +229,7 @@ impl Beta {
             return Contribution::default();
         }
         if elapsed >= self.duration.0 {
-            return Contribution {
-                position: self.range,
-                ..Contribution::default()
-            };
+            return Contribution::at_rest(self.range);
         }
         let fraction = u64::from(elapsed) * self.step;
         // q = 4 u (1 - u) = 1 - x^2, below one but for rounding.

@@ -42,12 +42,7 @@ pub(crate) fn square_root(value: u64) -> u64 {
     let shift = value.leading_zeros() & !1;
     let normal = value << shift;
     let approximate = (normal >> 40) as u32 as f32 * (1.0 / (1u32 << 24) as f32);
-    let half = approximate * 0.5;
-    // The exponent's half, negated, with the constant that spreads the error evenly.
-    let mut reciprocal = f32::from_bits(0x5F37_59DF - (approximate.to_bits() >> 1));
-    reciprocal = reciprocal * (1.5 - half * reciprocal * reciprocal);
-    reciprocal = reciprocal * (1.5 - half * reciprocal * reciprocal);
-    reciprocal = reciprocal * (1.5 - half * reciprocal * reciprocal);
+    let reciprocal = reciprocal_root(approximate);
     // Q30; it lies in (1, 2], so it fits 32 bits.
     let reciprocal = (reciprocal * (1u32 << 30) as f32) as u32;
     let root = (((normal >> 32) * reciprocal as u64) >> 30).min(0xFFFF_FFFF);
@@ -55,6 +50,41 @@ pub(crate) fn square_root(value: u64) -> u64 {
     let remainder = (normal as i64).wrapping_sub((root * root) as i64) >> 12;
     let correction = (remainder * reciprocal as i64) >> (30 + 1 - 12);
     ((root << 32).saturating_add_signed(correction)) >> (shift / 2)
+}
+
+/// 2^127 / `value` for a value from 2^63 up: at most 2^-58 of it too small, never too large.
+///
+/// An f32 gives 23 bits, and each Newton step doubles them.
+#[inline(always)]
+pub(crate) fn reciprocal(value: u64) -> u64 {
+    let approximate = (value >> 40) as u32 as f32 * (1.0 / (1u32 << 24) as f32);
+    // Q31 in (1, 2]; two saturates to a little less.
+    let guess = (1.0 / approximate * (1u32 << 31) as f32) as u32;
+    let mut reciprocal = u64::from(guess) << 32;
+    for _ in 0..2 {
+        let error = (1i64 << 62) - (multiply(value, reciprocal) >> 1) as i64;
+        reciprocal = reciprocal.saturating_add_signed(scale(error, reciprocal) << 2);
+    }
+    // The products err by a few places of 2^-64 each.
+    reciprocal - 32
+}
+
+/// The square root of a positive normal f32, with a relative error below 2^-21.
+#[inline(always)]
+pub(crate) fn square_root_f32(value: f32) -> f32 {
+    value * reciprocal_root(value)
+}
+
+/// The reciprocal root of a positive normal f32 to about 24 bits: from its bits, and three Newton
+/// steps.
+#[inline(always)]
+fn reciprocal_root(value: f32) -> f32 {
+    let half = value * 0.5;
+    // The exponent's half, negated, with the constant that spreads the error evenly.
+    let mut reciprocal = f32::from_bits(0x5F37_59DF_u32.wrapping_sub(value.to_bits() >> 1));
+    reciprocal = reciprocal * (1.5 - half * reciprocal * reciprocal);
+    reciprocal = reciprocal * (1.5 - half * reciprocal * reciprocal);
+    reciprocal * (1.5 - half * reciprocal * reciprocal)
 }
 
 #[cfg(test)]
@@ -83,6 +113,22 @@ mod tests {
         }
     }
 
+    proptest! {
+        #[test]
+        fn reciprocal_is_just_below(value in 1u64 << 63..) {
+            let exact = (1u128 << 127) / u128::from(value);
+            let got = u128::from(reciprocal(value));
+            prop_assert!(got <= exact && exact - got <= 1 << 6, "{value}: {got} {exact}");
+        }
+
+        #[test]
+        fn f32_root_is_within_its_relative_error(value in 1e-30..4.0f32) {
+            let root = f64::from(square_root_f32(value));
+            let exact = libm::sqrt(f64::from(value));
+            prop_assert!((root - exact).abs() <= exact / f64::from(1 << 21), "{value}: {root}");
+        }
+    }
+
     #[test]
     fn edges() {
         for value in [
@@ -102,6 +148,11 @@ mod tests {
                 (root - exact).abs() <= exact * 1.14e-13 + 1.0,
                 "{value}: {root} {exact}"
             );
+        }
+        for value in [1 << 63, (1 << 63) + 1, u64::MAX, u64::MAX - 1] {
+            let exact = (1u128 << 127) / u128::from(value);
+            let got = u128::from(reciprocal(value));
+            assert!(got <= exact && exact - got <= 1 << 6, "{value}: {got} {exact}");
         }
         assert_eq!(scale(i64::MIN, ALMOST_ONE), i64::MIN);
         assert_eq!(scale(i64::MIN, 0), 0);

@@ -1,132 +1,201 @@
-//! A beta move laid over others: how long it must last for their sum to keep the limits.
-//!
-//! Each beta move is monotone in position between its ends, in velocity between its ends and its
-//! middle, and in acceleration between its ends and u = 1/4, 1/2 and 3/4. So over a window of
-//! ticks its least and greatest values are those at the window's edges and at such a point inside.
-//! The sums of these bounds bound the sum of the moves: a window that keeps the limits with them
-//! keeps the limits at every tick.
+//! Another target, or other limits, in mid-move: from the commanded state, and nothing jumps.
 
-use super::beta::{Beta, Contribution};
+use super::chain::{Chain, turns};
+use super::depart::{inside, shortest};
+use super::{Motion, Move, OVERLAID_MOVES, PlanError, Planned, Profile};
+use super::{overlay, smooth, trapezoid};
 use crate::limits::Limits;
-use crate::time::{LONGEST_MOVE, Tick, Ticks};
+use crate::time::{Tick, Ticks};
 use crate::units::Position;
 
-/// Windows over what is left of all moves: more find a shorter duration, and cost more.
-const WINDOWS: u64 = 24;
-
-/// How many times the asked duration is tried, in eighths: 1, 1.25, 1.5, 2 and 3.
-const STRETCHES: [u64; 5] = [8, 10, 12, 16, 24];
-
-/// The least and greatest values over a window.
-#[derive(Clone, Copy, Default)]
-struct Bounds {
-    least: Contribution,
-    greatest: Contribution,
-}
-
-impl Bounds {
-    fn of(beta: &Beta, from: Tick, to: Tick) -> Self {
-        let first = beta.contribution(from);
-        let mut bounds = Self {
-            least: first,
-            greatest: first,
+impl Motion {
+    /// Changes the target under way at `start`: by laying a beta move over it, by a curve from the
+    /// commanded state, or after a stop.
+    pub(super) fn retarget(
+        &mut self,
+        now: Tick,
+        start: Tick,
+        asked: Move,
+        limits: &Limits,
+    ) -> Result<Planned, PlanError> {
+        if asked.profile == Profile::Beta
+            && let Some(end) = self.lay_over(start, asked, limits)
+        {
+            return Ok(Planned { start, end });
+        }
+        let planned = |chain: &Chain| Planned {
+            start: chain.start,
+            end: chain.end,
         };
-        bounds.include(beta.contribution(to));
-        let quarter = u64::from(beta.duration().0) / 4;
-        for part in 1..=3 {
-            // The true place of the peak, part * N / 4, lies between these two ticks.
-            let near = beta.start().0.saturating_add(part * quarter);
-            if from.0 <= near.saturating_add(part) && near <= to.0 {
-                bounds.include_peak(beta, part);
+        // Where there is no room for what goes on until `start`, it leaves at once.
+        for start in [start, now] {
+            let chain = self.lead(start, asked.profile, asked.target, asked.duration, limits);
+            match chain {
+                Some(chain) if self.take_over(now, &chain) => return Ok(planned(&chain)),
+                Some(_) => {}
+                None => break,
             }
         }
-        bounds
-    }
-
-    fn include(&mut self, value: Contribution) {
-        let pick = |chosen: &mut Contribution, better: fn(i64, i64) -> i64| {
-            chosen.position = better(chosen.position, value.position);
-            chosen.velocity = better(chosen.velocity, value.velocity);
-            chosen.acceleration = better(chosen.acceleration, value.acceleration);
+        let start = self.stop(now, limits).max(start);
+        let range = asked.target - self.target();
+        let profile = match asked.profile {
+            // Ramps that were meant for another range mean nothing for this one.
+            Profile::ShapedTrapezoid { .. } => Profile::Trapezoid,
+            profile => profile,
         };
-        pick(&mut self.least, i64::min);
-        pick(&mut self.greatest, i64::max);
+        let least = shortest(profile, range, limits).ok_or(PlanError::TooLong)?;
+        let asked = Move {
+            duration: asked.duration.max(least),
+            profile,
+            ..asked
+        };
+        self.depart(start, asked, limits)
     }
 
-    /// Widens the bounds by the velocity's peak in the middle, or by one of the acceleration's.
-    fn include_peak(&mut self, beta: &Beta, part: u64) {
-        let sign = beta.range().counts().signum();
-        let mut value = self.least;
-        match part {
-            1 => value.acceleration = sign * beta.peak_acceleration().counts(),
-            2 => value.velocity = sign * beta.peak_velocity().counts(),
-            _ => value.acceleration = -sign * beta.peak_acceleration().counts(),
-        }
-        self.include(value);
-    }
-
-    fn add(&mut self, other: Self) {
-        for (sum, part) in [
-            (&mut self.least, other.least),
-            (&mut self.greatest, other.greatest),
-        ] {
-            sum.position = sum.position.saturating_add(part.position);
-            sum.velocity = sum.velocity.saturating_add(part.velocity);
-            sum.acceleration = sum.acceleration.saturating_add(part.acceleration);
-        }
-    }
-
-    fn inside(&self, rest: i64, limits: &Limits) -> bool {
-        let within = |least: i64, greatest: i64, limit: i64| -limit <= least && greatest <= limit;
-        let place = |offset: i64| Position::from_counts(rest.saturating_add(offset));
-        within(
-            self.least.velocity,
-            self.greatest.velocity,
-            limits.velocity().counts(),
-        ) && within(
-            self.least.acceleration,
-            self.greatest.acceleration,
-            limits.slower_acceleration().counts(),
-        ) && limits.allow(place(self.least.position))
-            && limits.allow(place(self.greatest.position))
-    }
-}
-
-/// The beta move by `range` from `start` that lasts as asked, or the least of a few stretches of
-/// that, such that its sum with `under_way` over the base at `rest` keeps the limits.
-///
-/// `None` where none of the durations tried does.
-pub(crate) fn overlay(
-    rest: i64,
-    under_way: &[Beta],
-    start: Tick,
-    range: Position,
-    asked: Ticks,
-    limits: &Limits,
-) -> Option<Beta> {
-    let asked = asked.max(Beta::shortest(range, limits)?);
-    STRETCHES.into_iter().find_map(|eighths| {
-        let duration = (u64::from(asked.0) * eighths).div_ceil(8);
-        if duration > u64::from(LONGEST_MOVE.0) {
+    /// Lays a beta move over those under way; gives the end of all.
+    fn lay_over(&mut self, start: Tick, asked: Move, limits: &Limits) -> Option<Tick> {
+        if !self.phases.is_empty() || self.betas.len() >= OVERLAID_MOVES {
             return None;
         }
-        let added = Beta::new(start, range, Ticks(duration as u32));
-        keeps(rest, under_way, &added, limits).then_some(added)
-    })
+        let range = asked.target - self.target();
+        let place = self.at(start).position.counts();
+        let beta = overlay::overlay(place, &self.betas, start, range, asked.duration, limits)?;
+        self.betas.push(beta).ok()?;
+        self.end()
+    }
+
+    /// The phases from the commanded state at `start` to rest at `target`; `None` where they
+    /// would leave the travel or last longer than a move may.
+    fn lead(
+        &self,
+        start: Tick,
+        profile: Profile,
+        target: Position,
+        duration: Ticks,
+        limits: &Limits,
+    ) -> Option<Chain> {
+        let commanded = self.commanded(start);
+        let chain = match profile {
+            Profile::Trapezoid | Profile::ShapedTrapezoid { .. } => {
+                let from = commanded.state.position;
+                let velocity = turns(commanded.state.velocity.counts());
+                let distance = turns((target - from).counts());
+                let bounds = smooth::bounds(limits)?;
+                let pieces = trapezoid::to_rest(velocity, distance, duration.seconds(), &bounds);
+                Chain::of(pieces, start, from.counts(), Some(target.counts()))?.stepping()
+            }
+            Profile::Beta | Profile::SCurve => {
+                commanded.to_rest(start, target, duration, limits)?
+            }
+        };
+        chain.stays(limits).then_some(chain)
+    }
+
+    /// Goes on to the target inside other limits, from `now` on; gives the first tick at rest.
+    ///
+    /// What keeps the new limits is left alone, so raised limits change nothing. Otherwise the
+    /// motion goes on as after a retarget to its own target: by trapezoid where that is under way,
+    /// else by s-curve. A speed above the new limit comes down to it along one ramp, neither below
+    /// it nor back, with the acceleration first taken back where there is some. A move that has
+    /// not left yet, and that the new limits do not allow, leaves at its time for longer, or is
+    /// made at once where the axis is still moving.
+    ///
+    /// # Errors
+    /// A target outside the new travel; so is a target inside that can only be reached through
+    /// outside. The motion is unchanged, and inside the limits that it was planned with: stop it
+    /// first. An axis that rests has no target to lose, and takes any limits.
+    pub fn change_limits(&mut self, now: Tick, limits: &Limits) -> Result<Tick, PlanError> {
+        let mut next = self.clone();
+        next.fold(now);
+        let Some(end) = next.end().filter(|end| now < *end) else {
+            return Ok(now);
+        };
+        let target = next.target();
+        inside(target, limits)?;
+        if next.keeps(now, limits) {
+            return Ok(end);
+        }
+        let mut settled = next.clone();
+        settled.drop_pending(now);
+        let departure = next.departure(now);
+        let end = match departure {
+            Some(departure) if !settled.is_moving(now) => {
+                let range = target - settled.target();
+                let least = shortest(departure.profile, range, limits);
+                let least = least.ok_or(PlanError::TooLong)?;
+                let asked = Move {
+                    target,
+                    duration: departure.duration.max(least),
+                    profile: departure.profile,
+                };
+                next = settled;
+                next.depart(departure.start, asked, limits)?.end
+            }
+            _ => {
+                let profile = if next.commanded(now).steps {
+                    Profile::Trapezoid
+                } else {
+                    Profile::SCurve
+                };
+                let outside = PlanError::OutsideTravel {
+                    target,
+                    nearest: target,
+                };
+                let chain = next.lead(now, profile, target, end.since(now), limits);
+                let chain = chain.ok_or(outside)?;
+                next.take_over(now, &chain);
+                chain.end
+            }
+        };
+        *self = next;
+        Ok(end)
+    }
+
+    /// The move that leaves from rest at `now` or later.
+    fn departure(&self, now: Tick) -> Option<Departure> {
+        let beta = self.betas.iter().find(|beta| beta.start() >= now);
+        let phase = self
+            .phases
+            .iter()
+            .find(|phase| phase.departs() && phase.first() >= now);
+        match (beta, phase, self.phases.last()) {
+            (Some(beta), ..) => Some(Departure {
+                start: beta.start(),
+                duration: beta.duration(),
+                profile: Profile::Beta,
+            }),
+            (None, Some(phase), Some(last)) => Some(Departure {
+                start: phase.first(),
+                duration: last.end().since(phase.first()),
+                profile: if phase.steps() {
+                    Profile::Trapezoid
+                } else {
+                    Profile::SCurve
+                },
+            }),
+            _ => None,
+        }
+    }
+
+    /// Whether what is left from `now` on keeps `limits`; `false` where that is not plain.
+    fn keeps(&self, now: Tick, limits: &Limits) -> bool {
+        if self.takeover.is_some() {
+            return false;
+        }
+        let place = self.at(now).position.counts();
+        let betas = self.betas.iter().all(|beta| beta.keeps(limits))
+            && (self.betas.is_empty() || overlay::keep(place, &self.betas, now, limits));
+        let following = self.phases.iter().skip(1).map(Some).chain([None]);
+        let mut joined = self.phases.iter().zip(following);
+        betas
+            && self.phases.iter().all(|phase| phase.keeps(now, limits))
+            && joined.all(|(phase, next)| phase.joins(next, limits))
+    }
 }
 
-fn keeps(rest: i64, under_way: &[Beta], added: &Beta, limits: &Limits) -> bool {
-    let from = added.start();
-    let end = under_way.iter().map(Beta::end).fold(added.end(), Tick::max);
-    let length = end.0.saturating_sub(from.0);
-    let windows = WINDOWS.min(length.max(1));
-    (0..windows).all(|window| {
-        let edge = |index: u64| Tick(from.0 + length * index / windows);
-        let (from, to) = (edge(window), edge(window + 1));
-        let mut sum = Bounds::of(added, from, to);
-        for beta in under_way {
-            sum.add(Bounds::of(beta, from, to));
-        }
-        sum.inside(rest, limits)
-    })
+/// A move that has not left yet.
+struct Departure {
+    start: Tick,
+    duration: Ticks,
+    profile: Profile,
 }

@@ -6,17 +6,17 @@
 //!
 //! [`Trapezoid`] is the device's, in integers; [`exact`] is in f64, from and to any velocity.
 
+mod cruise;
 pub mod exact;
 
-use super::phase::{Entry, Phase};
-use super::stop::ROUNDING_MARGIN;
+pub(crate) use cruise::to_rest;
+
+use super::chain::{Chain, Piece, turns};
+use super::phase::{Moment, Rates};
+use super::smooth::ROUNDING_MARGIN;
 use crate::limits::Limits;
 use crate::time::{LONGEST_MOVE, TICKS_PER_SECOND, Tick, Ticks};
 use crate::units::Position;
-use heapless::Vec;
-
-/// The phases of a trapezoid.
-pub(crate) const TRAPEZOID_PHASES: usize = 3;
 
 /// A trapezoid's phases in ticks: how long it accelerates, cruises and decelerates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -143,42 +143,22 @@ impl Trapezoid {
 
     /// The phases of the move; `None` where they do not fit the arithmetic, which the travel of an
     /// axis rules out.
-    pub(crate) fn phases(
-        &self,
-        start: Tick,
-        from: i64,
-        to: i64,
-    ) -> Option<Vec<Phase, TRAPEZOID_PHASES>> {
+    pub(crate) fn chain(&self, start: Tick, from: i64, to: i64) -> Option<Chain> {
         let rate = TICKS_PER_SECOND as f64;
-        let velocity = self.cruise_velocity(to.saturating_sub(from) as f64);
-        let rates = [
-            (
-                self.acceleration,
-                velocity * rate / f64::from(self.acceleration.0),
-            ),
-            (self.cruise, 0.0),
-            (
-                self.deceleration,
-                -velocity * rate / f64::from(self.deceleration.0),
-            ),
+        let velocity = self.cruise_velocity(turns(to.saturating_sub(from)));
+        let fall = Ticks(self.acceleration.0 + self.cruise.0);
+        let up = velocity * rate / f64::from(self.acceleration.0);
+        let down = -velocity * rate / f64::from(self.deceleration.0);
+        let pieces = [
+            (self.acceleration, up, 0.0, velocity),
+            (fall, 0.0, velocity, velocity),
+            (self.duration(), down, velocity, 0.0),
         ];
-        let mut phases = Vec::new();
-        let mut entry = Entry {
-            tick: start,
-            position: from,
-            velocity: 0.0,
-            acceleration: 0.0,
-        };
-        for (duration, acceleration) in rates.into_iter().filter(|(duration, _)| duration.0 > 0) {
-            entry.acceleration = acceleration;
-            let (phase, exit) = Phase::constant_jerk(entry, duration, acceleration)?;
-            let first = phases.is_empty();
-            let phase = if first { phase.departing() } else { phase };
-            phases.push(phase).ok()?;
-            entry = exit;
-        }
-        let last = phases.pop()?.ending_at(to);
-        phases.push(last).ok()?;
-        Some(phases)
+        let pieces = pieces.into_iter().map(|(ends, acceleration, from, to)| Piece {
+            ends: Moment::from_ticks(ends),
+            entry: Rates::new(from, acceleration),
+            exit: Rates::new(to, acceleration),
+        });
+        Some(Chain::of(pieces, start, from, Some(to))?.stepping())
     }
 }

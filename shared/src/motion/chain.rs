@@ -1,0 +1,151 @@
+//! Phases one after the other: what was solved in f64, made ready for the tick.
+//!
+//! What is solved is in turns, relative to where the motion starts: the limits of any axis are
+//! then inside what a solver accepts, and turning it into counts is exact.
+
+use super::phase::{COEFFICIENT_BITS, FARTHEST, Moment, Phase, Rates, Span};
+use super::segments::{MOST_SEGMENTS, Segments};
+use super::trajectory::Trajectory;
+use crate::limits::Limits;
+use crate::time::{LONGEST_MOVE, Tick};
+use crate::units::{COUNTS_PER_TURN, Position};
+use heapless::Vec;
+
+/// Phases in a row, from one tick to rest.
+#[derive(Debug, Clone)]
+pub(crate) struct Chain {
+    /// Those that cover a tick.
+    pub phases: Vec<Phase, MOST_SEGMENTS>,
+    /// The tick at which it starts.
+    pub start: Tick,
+    /// The first tick at rest.
+    pub end: Tick,
+    /// Where it starts, in counts.
+    from: i64,
+    /// Where it rests, in counts.
+    pub rest: i64,
+    /// The least and the greatest place on its way, raised by [`COEFFICIENT_BITS`].
+    reach: (i64, i64),
+}
+
+/// One piece for a chain: until when, and the rates that it begins and ends with.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Piece {
+    pub ends: Moment,
+    pub entry: Rates,
+    pub exit: Rates,
+}
+
+impl Chain {
+    /// The phases of `segments`, in turns from the place `from`; they begin at `start` and end at
+    /// rest at `to`.
+    ///
+    /// `None` where they last longer than a move may, or do not fit the arithmetic, which the
+    /// travel of an axis rules out.
+    pub(crate) fn new(segments: &Segments, start: Tick, from: i64, to: i64) -> Option<Self> {
+        let whole = Moment::from_seconds(segments.duration()).settled();
+        let pieces = segments.segments();
+        // Each piece ends where and how the next one begins, the last one at rest.
+        let begins = |piece: &super::segments::Segment| {
+            let entry = Rates::new(piece.entry.velocity, piece.entry.acceleration);
+            (Moment::from_seconds(piece.start), entry)
+        };
+        let follows = pieces.iter().skip(1).map(begins);
+        let mut entry = pieces.first().map(begins).unwrap_or_default().1;
+        let follows = follows.chain([(whole, Rates::default())]);
+        let pieces = follows.map(|(ends, exit)| {
+            let piece = Piece { ends, entry, exit };
+            entry = exit;
+            piece
+        });
+        Self::of(pieces, start, from, Some(to))
+    }
+
+    /// The phases of `pieces` from the place `from` at `start` to rest at `to`, or where they lead
+    /// to, in counts.
+    pub(crate) fn of(
+        pieces: impl Iterator<Item = Piece>,
+        start: Tick,
+        from: i64,
+        to: Option<i64>,
+    ) -> Option<Self> {
+        let far = |place: i64| place.unsigned_abs() > FARTHEST.unsigned_abs();
+        if far(from) || to.is_some_and(far) {
+            return None;
+        }
+        let mut place = from << COEFFICIENT_BITS;
+        let mut chain = Self {
+            phases: Vec::new(),
+            start,
+            end: start,
+            from,
+            rest: to.unwrap_or(from),
+            reach: (place, place),
+        };
+        let mut begins = Moment::default();
+        let mut ended = begins;
+        let lasts = |piece: &Piece| {
+            let lasts = ended < piece.ends;
+            ended = ended.max(piece.ends);
+            lasts
+        };
+        let mut pieces = pieces.filter(lasts).peekable();
+        while let Some(piece) = pieces.next() {
+            if piece.ends.ticks() > u64::from(LONGEST_MOVE.0) {
+                return None;
+            }
+            let span = Span {
+                start,
+                from: begins,
+                to: piece.ends,
+            };
+            let mut phase = Phase::new(span, place, piece.entry, piece.exit)?;
+            if pieces.peek().is_none() {
+                if to.is_none() {
+                    chain.rest = phase.exit_position();
+                }
+                phase.end_at(chain.rest << COEFFICIENT_BITS);
+            }
+            let (least, greatest) = phase.reach();
+            chain.reach = (chain.reach.0.min(least), chain.reach.1.max(greatest));
+            place = phase.exit();
+            begins = piece.ends;
+            chain.end = phase.end();
+            if phase.is_seen() {
+                chain.phases.push(phase).ok()?;
+            }
+        }
+        Some(chain)
+    }
+
+    /// Whether it stays inside the travel. Outside of it, the way back in belongs to it.
+    pub(crate) fn stays(&self, limits: &Limits) -> bool {
+        let (least, greatest) = self.reach;
+        // A place inside a count is one that rounds to it.
+        let half = 1 << (COEFFICIENT_BITS - 1);
+        let raised = |place: Position, from: fn(i64, i64) -> i64| {
+            from(place.counts(), self.from).saturating_mul(1 << COEFFICIENT_BITS)
+        };
+        least >= raised(limits.position_minimum(), i64::min) - half
+            && greatest < raised(limits.position_maximum(), i64::max) + half
+    }
+
+    /// The same chain as one that leaves from rest, and that can be dropped before.
+    pub(crate) fn departing(mut self) -> Self {
+        if let Some(first) = self.phases.first_mut() {
+            first.depart();
+        }
+        self
+    }
+
+    /// The same chain as one whose acceleration steps.
+    pub(crate) fn stepping(mut self) -> Self {
+        self.phases.iter_mut().for_each(Phase::step);
+        self
+    }
+}
+
+/// Counts, or their rates, in turns: exact below 2^53 counts.
+pub(crate) fn turns(counts: i64) -> f64 {
+    counts as f64 * (1.0 / COUNTS_PER_TURN as f64)
+}

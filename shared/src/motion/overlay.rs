@@ -1,0 +1,315 @@
+//! A beta move laid over others: how long it must last for their sum to keep the limits.
+//!
+//! Each rate of a beta move is monotone between its ends and the places of its peaks, so over a
+//! window of time its least and greatest values are those at the window's edges and the peaks
+//! inside. The sums of these bound the sum of the moves: where all windows keep a limit, every
+//! instant does. The velocity's bounds, added up, bound the position in the same way.
+//!
+//! A bound needs no 43 digits but little time: all this is in f32, whose +, -, * and / are the
+//! same bits everywhere, with the limits lowered by more than that errs.
+
+use super::beta::{Beta, PEAK_ACCELERATION, PEAK_JERK, PEAK_VELOCITY};
+use super::fixed::square_root_f32;
+use crate::limits::Limits;
+use crate::time::{LONGEST_MOVE, TICKS_PER_SECOND, Tick, Ticks};
+use crate::units::Position;
+use heapless::Vec;
+
+/// Windows over what is left of the moves under way: more find a shorter duration, and cost more.
+const WINDOWS: usize = 20;
+
+/// How many times the asked duration is tried, in eighths.
+const STRETCHES: [u64; 7] = [8, 9, 10, 12, 16, 20, 24];
+
+/// What a sum of fractions of a limit must stay below: 16 times 2^-22, where each of the few
+/// operations behind a fraction errs by at most 2^-24.
+const ALLOWED: f32 = 1.0 - 16.0 / (1u32 << 22) as f32;
+
+/// Velocity, acceleration and jerk as fractions of their limits, or of their peaks.
+type Rates = [f32; 3];
+
+/// Where the unit curve's rates have their peaks: which rate, at which part of the duration, and
+/// the sign. The velocity's is in the middle, the acceleration's at x = +-1/2, the jerk's at
+/// x = +-sqrt(3)/2 and in the middle.
+const PEAKS: [(usize, f32, f32); 6] = [
+    (0, 0.5, 1.0),
+    (1, 0.25, 1.0),
+    (1, 0.75, -1.0),
+    (2, (1.0 - HALF_ROOT_3) / 2.0, 1.0),
+    (2, 0.5, -1.0),
+    (2, (1.0 + HALF_ROOT_3) / 2.0, 1.0),
+];
+
+const HALF_ROOT_3: f32 = 0.866_025_4;
+
+/// 16 / (3 sqrt 3): the reciprocal of the largest |x| (1 - x^2)^(3/2).
+const ACCELERATION_SHAPE: f32 = 3.079_201_4;
+
+/// The limits that fractions are taken of, in counts and seconds.
+struct Scale {
+    velocity: f32,
+    acceleration: f32,
+    jerk: f32,
+}
+
+impl Scale {
+    fn of(limits: &Limits) -> Self {
+        Self {
+            velocity: limits.velocity().counts() as f32,
+            acceleration: limits.slower_acceleration().counts() as f32,
+            jerk: limits.jerk().counts() as f32,
+        }
+    }
+}
+
+/// A beta move on a clock of f32 ticks.
+struct Curve {
+    start: f32,
+    duration: f32,
+    /// 1 / duration.
+    rate: f32,
+    /// The signed peaks.
+    peaks: Rates,
+}
+
+impl Curve {
+    fn new(start: f32, range: i64, duration: f32, scale: &Scale) -> Self {
+        let per_second = TICKS_PER_SECOND as f32 / duration;
+        let velocity = range as f32 * per_second;
+        let acceleration = velocity * per_second;
+        let jerk = acceleration * per_second;
+        Self {
+            start,
+            duration,
+            rate: 1.0 / duration,
+            peaks: [
+                velocity * PEAK_VELOCITY as f32 / scale.velocity,
+                acceleration * PEAK_ACCELERATION as f32 / scale.acceleration,
+                jerk * PEAK_JERK as f32 / scale.jerk,
+            ],
+        }
+    }
+
+    fn at(&self, time: f32) -> Rates {
+        let elapsed = time - self.start;
+        let left = self.duration - elapsed;
+        if elapsed <= 0.0 || left <= 0.0 {
+            return [0.0; 3];
+        }
+        // Both parts of the duration are exact near their own end, and so is q = 1 - x^2.
+        let (before, after) = (elapsed * self.rate, left * self.rate);
+        let x = before - after;
+        let q = 4.0 * before * after;
+        let root = square_root_f32(q);
+        let [velocity, acceleration, jerk] = self.peaks;
+        [
+            velocity * (q * q * root),
+            acceleration * (-x * q * root * ACCELERATION_SHAPE),
+            jerk * (root * (4.0 * x * x - 1.0)),
+        ]
+    }
+
+    /// The least and greatest values from `from` to `to`, with the values there.
+    fn bounds(&self, from: f32, to: f32, first: Rates, last: Rates) -> Bounds {
+        let mut bounds = Bounds {
+            least: first,
+            greatest: first,
+        };
+        for ((least, greatest), value) in bounds.lanes().zip(last) {
+            widen(least, greatest, value);
+        }
+        for (rate, part, sign) in PEAKS {
+            let time = self.start + part * self.duration;
+            if from < time && time < to {
+                let peaks = self.peaks.iter().zip(bounds.lanes());
+                if let Some((peak, (least, greatest))) = peaks.into_iter().nth(rate) {
+                    widen(least, greatest, sign * peak);
+                }
+            }
+        }
+        bounds
+    }
+}
+
+fn widen(least: &mut f32, greatest: &mut f32, value: f32) {
+    if value < *least {
+        *least = value;
+    }
+    if value > *greatest {
+        *greatest = value;
+    }
+}
+
+/// The least and greatest values over a window.
+#[derive(Clone, Copy, Default)]
+struct Bounds {
+    least: Rates,
+    greatest: Rates,
+}
+
+impl Bounds {
+    fn lanes(&mut self) -> impl Iterator<Item = (&mut f32, &mut f32)> {
+        self.least.iter_mut().zip(&mut self.greatest)
+    }
+
+    fn plus(mut self, other: &Self) -> Self {
+        let others = other.least.iter().zip(&other.greatest);
+        for ((least, greatest), (less, more)) in self.lanes().zip(others) {
+            *least += less;
+            *greatest += more;
+        }
+        self
+    }
+
+    fn allowed(&self) -> bool {
+        self.least.iter().all(|least| *least >= -ALLOWED)
+            && self.greatest.iter().all(|greatest| *greatest <= ALLOWED)
+    }
+}
+
+/// How far the sum may go on each side of where it starts, in counts; infinite where the signs of
+/// what is left already tell that it stays inside.
+#[derive(Clone, Copy)]
+struct Room {
+    below: f32,
+    above: f32,
+}
+
+impl Room {
+    const ENDLESS: Self = Self {
+        below: f32::INFINITY,
+        above: f32::INFINITY,
+    };
+
+    /// The room at `place` for moves that have these ranges left.
+    fn at(place: i64, left: impl Iterator<Item = i64>, limits: &Limits) -> Self {
+        let (mut back, mut forth) = (0i64, 0i64);
+        for range in left {
+            back = back.saturating_add(range.min(0));
+            forth = forth.saturating_add(range.max(0));
+        }
+        let to = |offset: i64| Position::from_counts(place.saturating_add(offset));
+        if limits.allow(to(back)) && limits.allow(to(forth)) {
+            return Self::ENDLESS;
+        }
+        let distance = |from: i64, to: i64| to.saturating_sub(from) as f32 * ALLOWED;
+        Self {
+            below: distance(limits.position_minimum().counts(), place),
+            above: distance(place, limits.position_maximum().counts()),
+        }
+    }
+}
+
+/// What is under way, from the start of a new move on: its bounds over each window.
+struct UnderWay {
+    windows: Vec<Bounds, WINDOWS>,
+    /// Ticks in one window.
+    width: f32,
+}
+
+impl UnderWay {
+    fn new(betas: &[Beta], start: Tick, scale: &Scale) -> Self {
+        let end = betas.iter().map(Beta::end).fold(start, Tick::max);
+        let width = end.since(start).0 as f32 / WINDOWS as f32;
+        let mut windows = Vec::new();
+        for _ in 0..WINDOWS {
+            let _ = windows.push(Bounds::default());
+        }
+        for beta in betas {
+            let begun = start.since(beta.start()).0 as f32;
+            let curve = Curve::new(
+                -begun,
+                beta.range().counts(),
+                beta.duration().0 as f32,
+                scale,
+            );
+            let mut first = curve.at(0.0);
+            for (index, window) in windows.iter_mut().enumerate() {
+                let (from, to) = edges(index, width);
+                let last = curve.at(to);
+                *window = window.plus(&curve.bounds(from, to, first, last));
+                first = last;
+            }
+        }
+        Self { windows, width }
+    }
+
+    /// Whether the sum with `added`, which keeps the limits by itself, does.
+    ///
+    /// Once the added move has ended, what is left is what was under way, and was proven when that
+    /// was taken on; but its place is a new one.
+    fn keeps(&self, added: &Curve, room: Room, scale: &Scale) -> bool {
+        let seconds = self.width / TICKS_PER_SECOND as f32;
+        // How far a window leads at the velocity limit.
+        let way = seconds * scale.velocity;
+        let (mut lowest, mut highest) = (0.0, 0.0);
+        let mut first = [0.0; 3];
+        self.windows.iter().enumerate().all(|(index, window)| {
+            let (from, to) = edges(index, self.width);
+            let last = added.at(to);
+            let sum = window.plus(&added.bounds(from, to, first, last));
+            first = last;
+            let ([least, ..], [greatest, ..]) = (sum.least, sum.greatest);
+            // Inside the window as at its end: whichever is farther.
+            let stays = lowest + way * least.min(0.0) >= -room.below
+                && highest + way * greatest.max(0.0) <= room.above;
+            lowest += way * least;
+            highest += way * greatest;
+            stays && (from >= added.duration || sum.allowed())
+        })
+    }
+}
+
+/// The edges of a window.
+fn edges(index: usize, width: f32) -> (f32, f32) {
+    (index as f32 * width, (index + 1) as f32 * width)
+}
+
+/// The beta move by `range` from `start` that lasts as asked, or the least of a few stretches of
+/// that, such that its sum with `under_way`, which is at `place` then, keeps the limits.
+///
+/// `None` where none of the durations tried does.
+pub(crate) fn overlay(
+    place: i64,
+    under_way: &[Beta],
+    start: Tick,
+    range: Position,
+    asked: Ticks,
+    limits: &Limits,
+) -> Option<Beta> {
+    let alone = Beta::new(start, range, asked);
+    let asked = if alone.keeps(limits) {
+        alone.duration()
+    } else {
+        asked.max(Beta::shortest(range, limits)?)
+    };
+    let left = under_way
+        .iter()
+        .map(|beta| (beta.range() - beta.position(start)).counts());
+    let room = Room::at(place, left.chain([range.counts()]), limits);
+    let scale = Scale::of(limits);
+    let others = UnderWay::new(under_way, start, &scale);
+    STRETCHES.into_iter().find_map(|eighths| {
+        let duration = (u64::from(asked.0) * eighths).div_ceil(8);
+        if duration > u64::from(LONGEST_MOVE.0) {
+            return None;
+        }
+        let duration = Ticks(duration as u32);
+        let curve = Curve::new(0.0, range.counts(), duration.0 as f32, &scale);
+        others
+            .keeps(&curve, room, &scale)
+            .then(|| Beta::new(start, range, duration))
+    })
+}
+
+/// Whether moves under way keep `limits` from `now` on.
+pub(crate) fn keep(place: i64, under_way: &[Beta], now: Tick, limits: &Limits) -> bool {
+    let left = under_way
+        .iter()
+        .map(|beta| (beta.range() - beta.position(now)).counts());
+    let room = Room::at(place, left, limits);
+    let scale = Scale::of(limits);
+    let others = UnderWay::new(under_way, now, &scale);
+    let nothing = Curve::new(0.0, 0, LONGEST_MOVE.0 as f32, &scale);
+    others.keeps(&nothing, room, &scale)
+}

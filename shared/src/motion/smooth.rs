@@ -1,0 +1,187 @@
+//! S-curves on the device: from rest, and from whatever an axis is doing to a new target.
+
+use super::Setpoint;
+use super::bounds::Bounds;
+use super::chain::{Chain, turns};
+use super::change::{Change, Strength};
+use super::s_curve::{self, SignedBounds};
+use super::slower::slower;
+use super::trajectory::{Sample, Trajectory};
+use crate::limits::Limits;
+use crate::time::{Tick, Ticks};
+use crate::units::Position;
+
+/// Counts that a plan stays below each limit, for what the tick's rounding may add.
+pub(crate) const ROUNDING_MARGIN: f64 = 8.0;
+
+/// An axis as it is commanded at one tick.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Commanded {
+    pub state: Setpoint,
+    /// Whether its acceleration may step, because that is what is under way.
+    pub steps: bool,
+}
+
+/// The limits in turns, with a margin for rounding; `None` where there is none, which a
+/// [`Limits`] never is.
+pub(crate) fn bounds(limits: &Limits) -> Option<Bounds> {
+    let below = |counts: i64| turns(counts) - turns(ROUNDING_MARGIN as i64);
+    Bounds::new(
+        below(limits.velocity().counts()),
+        below(limits.acceleration().counts()),
+        below(limits.deceleration().counts()),
+        below(limits.jerk().counts()),
+    )
+    .ok()
+}
+
+/// The least duration of an s-curve over `range`; `None` where that is longer than
+/// [`crate::time::LONGEST_MOVE`].
+pub fn shortest_s_curve(range: Position, limits: &Limits) -> Option<Ticks> {
+    let to = Sample::at_rest(turns(range.counts()));
+    let curve = s_curve::plan(Sample::at_rest(0.0), to, &bounds(limits)?).ok()?;
+    whole_ticks(curve.duration())
+}
+
+/// The ticks that last at least `seconds`, where a tick may miss it by rounding.
+fn whole_ticks(seconds: f64) -> Option<Ticks> {
+    Ticks::from_seconds_ceil(seconds * (1.0 - 1e-12))
+}
+
+/// From rest over `range` in `duration`, from the place `from` at `start`; otherwise the least
+/// duration, where there is one.
+pub(crate) fn from_rest(
+    start: Tick,
+    from: i64,
+    range: Position,
+    duration: Ticks,
+    limits: &Limits,
+) -> Result<Chain, Option<Ticks>> {
+    let bounds = bounds(limits).ok_or(None)?;
+    let to = from.saturating_add(range.counts());
+    let target = turns(range.counts());
+    let sign = 1.0f64.copysign(target);
+    let rest = Sample::at_rest(0.0);
+    let strong = bounds.acceleration();
+    if let Some(pieces) = slower(&rest, target, duration, sign, strong, &bounds) {
+        return Chain::of(pieces, start, from, Some(to)).ok_or(None);
+    }
+    let curve = s_curve::plan(rest, Sample::at_rest(target), &bounds).map_err(|_| None)?;
+    match whole_ticks(curve.duration()) {
+        Some(least) if least <= duration => {
+            Chain::new(&curve, start, from, to).ok_or(None)
+        }
+        least => Err(least),
+    }
+}
+
+/// What the speed may rise with in a first lobe of this `sign`.
+///
+/// A first lobe that begins against its own direction slows down before it speeds up, so the
+/// lesser of both limits counts.
+fn speeding(sign: f64, from: &Sample, bounds: &Bounds) -> f64 {
+    let (velocity, acceleration) = (sign * from.velocity, sign * from.acceleration);
+    let dip = if acceleration < 0.0 {
+        0.5 * acceleration * acceleration
+    } else {
+        0.0
+    };
+    if velocity * bounds.jerk() >= dip {
+        bounds.acceleration()
+    } else {
+        bounds.slower_acceleration()
+    }
+}
+
+/// The stop from a state.
+fn stopping(from: &Sample, bounds: &Bounds) -> Change<f64> {
+    let strength = Strength {
+        rise: bounds.deceleration(),
+        fall: bounds.deceleration(),
+        jerk: bounds.jerk(),
+    };
+    Change::new(from.velocity, from.acceleration, 0.0, &strength)
+}
+
+impl Commanded {
+    /// What a curve of limited jerk begins with.
+    ///
+    /// At its corners a trapezoid has more acceleration than such a curve can take back in time:
+    /// before the velocity limit, or before standstill where it slows down. Since it steps anyway,
+    /// it then steps down to what can be taken back.
+    pub(crate) fn entry(&self, bounds: &Bounds) -> Sample {
+        let velocity = turns(self.state.velocity.counts());
+        let acceleration = turns(self.state.acceleration.counts());
+        let mut entry = Sample {
+            velocity,
+            acceleration,
+            ..Sample::default()
+        };
+        if self.steps && acceleration != 0.0 {
+            let speeds_up = velocity == 0.0 || (velocity > 0.0) == (acceleration > 0.0);
+            let room = if speeds_up {
+                (bounds.velocity() - velocity.abs()).max(0.0)
+            } else {
+                velocity.abs()
+            };
+            let square = 2.0 * bounds.jerk() * room;
+            if acceleration * acceleration > square {
+                entry.acceleration = libm::sqrt(square).copysign(acceleration);
+            }
+        }
+        entry
+    }
+
+    /// To rest at `target` in `duration`, or as quickly as the limits allow where that is longer;
+    /// it begins at `start`.
+    pub(crate) fn to_rest(
+        &self,
+        start: Tick,
+        target: Position,
+        duration: Ticks,
+        limits: &Limits,
+    ) -> Option<Chain> {
+        let bounds = bounds(limits)?;
+        let from = self.entry(&bounds);
+        let place = self.state.position;
+        let distance = turns((target - place).counts());
+        let stop = stopping(&from, &bounds);
+        // Short of the place where it can stop it goes back, and beyond that it goes on.
+        let beyond = distance - stop.distance();
+        let seconds = stop.duration();
+        let rounding = turns(ROUNDING_MARGIN as i64) * (1.0 + seconds + seconds * seconds);
+        if beyond.abs() <= rounding && duration.seconds() <= seconds + Ticks(1).seconds() {
+            // A state in whole counts stops beside the target by a few of them.
+            return Chain::of(stop.pieces(0.0), start, place.counts(), Some(target.counts()));
+        }
+        let sign = 1.0f64.copysign(beyond);
+        let strong = speeding(sign, &from, &bounds);
+        if let Some(pieces) = slower(&from, distance, duration, sign, strong, &bounds) {
+            return Chain::of(pieces, start, place.counts(), Some(target.counts()));
+        }
+        let (greatest, least) = if sign < 0.0 {
+            (bounds.deceleration(), -strong)
+        } else {
+            (strong, -bounds.deceleration())
+        };
+        let velocity = bounds.velocity();
+        let signed = SignedBounds::new(velocity, -velocity, greatest, least, bounds.jerk()).ok()?;
+        let curve = s_curve::to_rest(from, distance, &signed).ok()?;
+        Chain::new(&curve, start, place.counts(), target.counts())
+    }
+
+    /// To rest as quickly as the limits allow, with a multiple of the jerk limit.
+    pub(crate) fn stop(&self, now: Tick, limits: &Limits, times: f64) -> Option<Chain> {
+        let own = bounds(limits)?;
+        let jerk = own.jerk() * times;
+        let harder = Bounds::new(own.velocity(), own.acceleration(), own.deceleration(), jerk);
+        let bounds = harder.ok()?;
+        let mut from = self.entry(&bounds);
+        if self.steps && from.velocity * from.acceleration >= 0.0 {
+            // A trapezoid that speeds up steps to none: taking it back would cost speed and time.
+            from.acceleration = 0.0;
+        }
+        let stop = stopping(&from, &bounds);
+        Chain::of(stop.pieces(0.0), now, self.state.position.counts(), None)
+    }
+}
