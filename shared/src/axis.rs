@@ -34,6 +34,7 @@ mod telemetry;
 
 use crate::drive::{Condition, DriveCommand, DriveReport};
 use crate::limits::Limits;
+use crate::motion::shaping::{Shaper, Shaping, ShapingError};
 use crate::motion::{Move, Setpoint};
 use crate::time::{BusTime, Tick, Ticks};
 use crate::units::Position;
@@ -46,8 +47,8 @@ use commander::Commander;
 use course::Course;
 use fault::Fault;
 use planning::Planning;
-use prepared::Prepared;
 pub use planning::{FinishedPlan, Plan};
+use prepared::Prepared;
 use state::State;
 pub use telemetry::Counters;
 use telemetry::{Due, Telemetry};
@@ -121,6 +122,8 @@ pub struct Axis {
     commander: Commander,
     staged: Option<Staged>,
     prepared: Prepared,
+    /// The setpoints of the course go through it.
+    shaper: Shaper,
     departure: Option<Departure>,
     last_command: Option<(Frame, Reply)>,
     last_trigger: Option<(Frame, Reply)>,
@@ -147,6 +150,7 @@ impl Axis {
             commander: Commander::default(),
             staged: None,
             prepared: Prepared::default(),
+            shaper: Shaper::none(),
             departure: None,
             last_command: None,
             last_trigger: None,
@@ -187,7 +191,31 @@ impl Axis {
 
     /// Whether the setpoint changes, or will without another command.
     pub fn is_moving(&self) -> bool {
-        self.planning.is_about_to_move() || self.course.is_moving(self.tick)
+        self.planning.is_about_to_move()
+            || self.course.is_moving(self.tick)
+            || !self.shaper.is_settled()
+    }
+
+    /// Shapes the setpoints for a mode of the machine from now on, or no longer. Moves and stops
+    /// then arrive later, by the shaper's delay.
+    ///
+    /// # Errors
+    /// [`ShapingError::Moving`] unless the axis is at rest and nothing is about to move it.
+    pub fn shape(&mut self, shaping: Option<&Shaping>) -> Result<(), ShapingError> {
+        if self.is_moving() {
+            return Err(ShapingError::Moving);
+        }
+        self.shaper.change(shaping)
+    }
+
+    /// The limits to plan inside. A shaped setpoint is a mean of several, some of which may speed
+    /// up while others slow down: then one limit of acceleration must do for both.
+    fn planning_limits(&self) -> Limits {
+        if self.shaper.delay() > Ticks(0) {
+            self.limits.symmetric()
+        } else {
+            self.limits
+        }
     }
 
     /// Takes what the drive said.
@@ -202,8 +230,10 @@ impl Axis {
         self.follow_course();
         self.supervise();
         if self.state.drives() {
-            self.setpoint = self.course.at(tick);
-            if self.course.fold(tick) {
+            let shaping = !self.shaper.is_settled();
+            self.setpoint = self.shaper.shape(self.course.at(tick));
+            let arrived = self.course.fold(tick) || shaping;
+            if arrived && self.shaper.is_settled() {
                 self.telemetry.hasten();
             }
         }

@@ -212,6 +212,16 @@ impl Limits {
         })
     }
 
+    /// The same with the lesser of acceleration and deceleration for both.
+    pub fn symmetric(&self) -> Self {
+        let slower = self.slower_acceleration();
+        Self {
+            acceleration: slower,
+            deceleration: slower,
+            ..*self
+        }
+    }
+
     /// The position inside the travel that is nearest to `position`, where it is less than
     /// `tolerance` away; otherwise `position` itself, which is then not allowed.
     ///

@@ -20,6 +20,7 @@ use crate::axis::{Axis, FinishedPlan, Outcome, Plan};
 use crate::drive::Drive;
 use crate::limits::Limits;
 use crate::motion::Setpoint;
+use crate::motion::shaping::{Shaping, ShapingError};
 use crate::time::bus_clock::{BusClock, Discipline};
 use crate::time::{BusTime, LocalTime, Tick, Ticks};
 use crate::wire::PROTOCOL_VERSION;
@@ -140,6 +141,19 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
         };
         let full = NodeError::Full { capacity: AXES };
         self.slots.push(slot).map_err(|_| full)
+    }
+
+    /// Shapes the setpoints of an axis for a mode of its machine: see [`Axis::shape`]. An axis that
+    /// the node does not have is passed over.
+    ///
+    /// # Errors
+    /// The axis moves.
+    pub fn shape(&mut self, axis: AxisId, shaping: Option<&Shaping>) -> Result<(), ShapingError> {
+        let mut slots = self.slots.iter_mut();
+        match slots.find(|slot| slot.axis.id() == axis) {
+            Some(slot) => slot.axis.shape(shaping),
+            None => Ok(()),
+        }
     }
 
     /// The axes of the node.

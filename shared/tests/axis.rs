@@ -14,7 +14,9 @@ mod axis {
     mod planner;
     mod planning;
     mod random;
+    mod s_curve;
     mod sequence;
+    mod shaping;
     mod stop;
     mod telemetry;
     mod trapezoid;

@@ -141,7 +141,7 @@ proptest! {
         let mut shaper = Shaper::none();
         shaper.change(Some(&shaping)).expect("at rest");
         let seconds = f64::from(duration) / 1e3;
-        let curve = exact::Profile::with_duration(0.0, range as f64, seconds).expect("valid");
+        let curve = exact::Profile::lasting(0.0, range as f64, seconds).expect("valid");
         let host = Shaped::in_ticks(Curve(curve), &shaping);
         prop_assert!((host.duration() - seconds - shaping.delay().seconds()).abs() < 1e-12);
         // 32 / (5 pi) R / T and 12 sqrt(3) / pi R / T^2.

@@ -237,8 +237,8 @@ impl Axis {
             number: job.number,
             splice,
             limits: match job.change {
-                Change::Stop => self.limits,
-                Change::Move(wanted) => wanted.prepared.limits(&self.limits),
+                Change::Stop => self.planning_limits(),
+                Change::Move(wanted) => wanted.prepared.limits(&self.planning_limits()),
             },
             motion: motion.clone(),
         };
@@ -267,7 +267,7 @@ impl Axis {
                     asked: wanted.asked,
                     prepared: wanted.prepared,
                 });
-                let duration = planned.end.since(planned.start).0;
+                let duration = planned.end.since(planned.start).0 + self.shaper.delay().0;
                 return self.settle(&wanted, job.number, Ok(duration));
             }
             _ if splice < self.tick => return self.plan_again(job),
@@ -288,7 +288,7 @@ impl Axis {
             return Outcome::Accepted;
         };
         self.staged = None;
-        let arrives = planned.end.since(self.tick).0;
+        let arrives = planned.end.since(self.tick).0 + self.shaper.delay().0;
         self.settle(&wanted, job.number, Ok(arrives))
     }
 

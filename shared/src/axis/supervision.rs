@@ -8,6 +8,7 @@ use super::{Axis, HOST_TIMEOUT, Request};
 use crate::drive::Condition;
 use crate::motion::Setpoint;
 use crate::time::Ticks;
+use crate::units::Position;
 use crate::wire::reason::Reason;
 
 /// How long a drive may take to enable: 1 s, time for the brake of a large one.
@@ -97,7 +98,7 @@ impl Axis {
     /// Ends all motion where the setpoint is; nothing follows setpoints any more.
     fn freeze(&mut self) {
         self.planning.clear();
-        self.course.rest(self.setpoint.position);
+        self.stand(self.setpoint.position);
         self.departure = None;
         self.setpoint = Setpoint {
             position: self.setpoint.position,
@@ -163,7 +164,13 @@ impl Axis {
     /// Sets the setpoint to where the drive is, at rest.
     fn follow_drive(&mut self) {
         if let Some(report) = self.drive {
-            self.course.rest(report.position);
+            self.stand(report.position);
         }
+    }
+
+    /// Forgets all motion, at rest at `position`.
+    fn stand(&mut self, position: Position) {
+        self.course.rest(position);
+        self.shaper.reset(position);
     }
 }

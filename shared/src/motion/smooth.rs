@@ -68,9 +68,7 @@ pub(crate) fn from_rest(
     }
     let curve = s_curve::plan(rest, Sample::at_rest(target), &bounds).map_err(|_| None)?;
     match whole_ticks(curve.duration()) {
-        Some(least) if least <= duration => {
-            Chain::new(&curve, start, from, to).ok_or(None)
-        }
+        Some(least) if least <= duration => Chain::new(&curve, start, from, to).ok_or(None),
         least => Err(least),
     }
 }
@@ -152,7 +150,12 @@ impl Commanded {
         let rounding = turns(ROUNDING_MARGIN as i64) * (1.0 + seconds + seconds * seconds);
         if beyond.abs() <= rounding && duration.seconds() <= seconds + Ticks(1).seconds() {
             // A state in whole counts stops beside the target by a few of them.
-            return Chain::of(stop.pieces(0.0), start, place.counts(), Some(target.counts()));
+            return Chain::of(
+                stop.pieces(0.0),
+                start,
+                place.counts(),
+                Some(target.counts()),
+            );
         }
         let sign = 1.0f64.copysign(beyond);
         let strong = speeding(sign, &from, &bounds);

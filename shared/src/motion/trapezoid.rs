@@ -154,11 +154,13 @@ impl Trapezoid {
             (fall, 0.0, velocity, velocity),
             (self.duration(), down, velocity, 0.0),
         ];
-        let pieces = pieces.into_iter().map(|(ends, acceleration, from, to)| Piece {
-            ends: Moment::from_ticks(ends),
-            entry: Rates::new(from, acceleration),
-            exit: Rates::new(to, acceleration),
-        });
+        let pieces = pieces
+            .into_iter()
+            .map(|(ends, acceleration, from, to)| Piece {
+                ends: Moment::from_ticks(ends),
+                entry: Rates::new(from, acceleration),
+                exit: Rates::new(to, acceleration),
+            });
         Some(Chain::of(pieces, start, from, Some(to))?.stepping())
     }
 }

@@ -339,13 +339,30 @@ fn debug() {
     use canter_shared::motion::s_curve::*;
     use canter_shared::motion::trajectory::*;
     use canter_shared::motion::*;
-    let (mut a, mut b, mut c, mut d, mut e, mut f) = (Spread::new(), Spread::new(), Spread::new(), Spread::new(), Spread::new(), Spread::new());
+    let (mut a, mut b, mut c, mut d, mut e, mut f) = (
+        Spread::new(),
+        Spread::new(),
+        Spread::new(),
+        Spread::new(),
+        Spread::new(),
+        Spread::new(),
+    );
     let mut r = 0x9E37_79B9_7F4A_7C15u64;
-    let mut rnd = move || { r ^= r << 13; r ^= r >> 7; r ^= r << 17; (r >> 11) as f64 / (1u64 << 53) as f64 };
+    let mut rnd = move || {
+        r ^= r << 13;
+        r ^= r >> 7;
+        r ^= r << 17;
+        (r >> 11) as f64 / (1u64 << 53) as f64
+    };
     let bd = Bounds::new(3.18, 31.8, 31.8, 3183.0).unwrap();
     let sb = SignedBounds::forward(&bd).unwrap();
     for _ in 0..300 {
-        let from = Sample { position: 0.0, velocity: 6.0 * (rnd() - 0.5), acceleration: 60.0 * (rnd() - 0.5), jerk: 0.0 };
+        let from = Sample {
+            position: 0.0,
+            velocity: 6.0 * (rnd() - 0.5),
+            acceleration: 60.0 * (rnd() - 0.5),
+            jerk: 0.0,
+        };
         let from = black_box(from);
         let t = black_box(4.0 * (rnd() - 0.5));
         a.add(count(|| change_velocity(from, 0.0, &sb)));
@@ -353,17 +370,30 @@ fn debug() {
         c.add(count(|| lasting(from, t, 2.0, &sb)));
         d.add(count(|| trapezoid::exact::to_rest(from, t, &bd)));
     }
-    a.report("s.change"); b.report("s.to_rest"); c.report("s.lasting"); d.report("t.to_rest");
+    a.report("s.change");
+    b.report("s.to_rest");
+    c.report("s.lasting");
+    d.report("t.to_rest");
     let limits = Limits::default();
     for p in [Profile::Beta, Profile::SCurve, Profile::Trapezoid] {
         let (mut a, mut b, mut c) = (Spread::new(), Spread::new(), Spread::new());
         for _ in 0..200 {
             let mut m = Motion::at_rest(Position::ZERO);
-            let go = Move { target: Position::from_counts((rnd() * 4e10) as i64 - 20_000_000_000), duration: Ticks(4000), profile: p };
-            a.add(count(|| m.start(Tick(0), Tick(0), black_box(go), &limits).is_ok()));
+            let go = Move {
+                target: Position::from_counts((rnd() * 4e10) as i64 - 20_000_000_000),
+                duration: Ticks(4000),
+                profile: p,
+            };
+            a.add(count(|| {
+                m.start(Tick(0), Tick(0), black_box(go), &limits).is_ok()
+            }));
             let now = Tick(1000 + (2500.0 * rnd()) as u64);
             let mut m2 = m.clone();
-            let go = Move { target: Position::from_counts((rnd() * 4e10) as i64 - 20_000_000_000), duration: Ticks(1000), profile: p };
+            let go = Move {
+                target: Position::from_counts((rnd() * 4e10) as i64 - 20_000_000_000),
+                duration: Ticks(1000),
+                profile: p,
+            };
             b.add(count(|| m.start(now, now, black_box(go), &limits).is_ok()));
             c.add(count(|| m2.stop(now, black_box(&limits))));
             d.add(count(|| black_box(&m2).clone()));
@@ -371,7 +401,11 @@ fn debug() {
             e.add(count(|| m2.at(black_box(Tick(now.0 + 100)))));
             f.add(count(|| m.fold(black_box(Tick(now.0)))));
         }
-        a.report("m.start"); b.report("m.retarget"); c.report("m.stop");
-        d.report("clone"); e.report("at"); f.report("fold");
+        a.report("m.start");
+        b.report("m.retarget");
+        c.report("m.stop");
+        d.report("clone");
+        e.report("at");
+        f.report("fold");
     }
 }
