@@ -255,6 +255,10 @@ impl Axis {
         let Some((job, _)) = self.planning.working.take_if(same) else {
             return Outcome::Ignored;
         };
+        let in_time = splice >= self.tick;
+        if in_time {
+            self.planning.doublings = 0;
+        }
         let begun = match (job.change, finished.result) {
             (Change::Move(wanted), Err(refusal)) => {
                 // It waits for the next move of its kind.
@@ -270,12 +274,11 @@ impl Axis {
                 let duration = planned.end.since(planned.start).0 + self.shaper.delay().0;
                 return self.settle(&wanted, job.number, Ok(duration));
             }
-            _ if splice < self.tick => return self.plan_again(job),
+            _ if !in_time => return self.plan_again(job),
             (Change::Move(wanted), Ok(planned)) => Some((wanted, planned)),
             // A stop is never refused.
             (Change::Stop, _) => None,
         };
-        self.planning.doublings = 0;
         let departure = begun.map(|(wanted, planned)| Departure {
             sequence: wanted.sequence,
             start: planned.start,
@@ -299,9 +302,12 @@ impl Axis {
         Some(self.commit(&plan.work()))
     }
 
-    /// Whether there is something to plan that nobody has taken.
+    /// Whether there is something to plan that nobody has taken, or that has not come back in time.
     pub fn has_plan(&self) -> bool {
-        self.planning.waiting.is_some() && self.planning.working.is_none()
+        match self.planning.working {
+            Some((_, splice)) => splice < self.tick,
+            None => self.planning.waiting.is_some(),
+        }
     }
 
     /// Whether that is a stop, which goes before the moves of other axes.

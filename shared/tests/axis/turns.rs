@@ -162,3 +162,28 @@ fn a_stop_that_nobody_plans_is_told() {
     three.node.plan();
     assert_eq!(three.node.stop_overdue(), Ticks(0));
 }
+
+/// A planner that was lost with its plan: the node gives the plan again when it is overdue.
+#[test]
+fn a_plan_that_does_not_come_back_is_given_again() {
+    let mut three = Three::new();
+    three.go(2);
+    let lost = three.node.take_plan(LEAD).expect("one waits");
+    three.run(1);
+    assert!(!three.node.has_plan());
+    three.run(1);
+    assert_eq!(three.next(), Some(2));
+    three.run(100);
+    assert!(three.node.axes().any(|axis| axis.is_moving()));
+    // It does come back, long after: nobody wants it any more.
+    three.node.commit(&lost.work());
+    three.run(1_000);
+    let now = three.node.next_tick();
+    let places: Vec<_> = three
+        .node
+        .tick(now)
+        .iter()
+        .map(|at| at.setpoint.position)
+        .collect();
+    assert_eq!(places, [Position::ZERO, turns(1.0), Position::ZERO]);
+}
