@@ -11,7 +11,7 @@ use canter_shared::drive::simulated::Simulated;
 use canter_shared::limits::{LimitValues, Limits};
 use canter_shared::motion::beta::Beta;
 use canter_shared::time::{Tick, Ticks};
-use canter_shared::units::Position;
+use canter_shared::units::{Acceleration, Jerk, Position, Velocity};
 use canter_shared::wire::command::{Action, Command, ProfileKind, Session};
 use canter_shared::wire::frame::Frame;
 use canter_shared::wire::id::Address;
@@ -57,6 +57,8 @@ enum Step {
         ahead: i64,
     },
     Shape(u32, u32, u8),
+    Ramps(f64, f64, u8),
+    Peaks(f64, f64, u8),
     Control(Action, Session, u8),
     Stop(u8),
     EmergencyStop,
@@ -73,7 +75,11 @@ enum Step {
 }
 
 fn profile() -> impl Strategy<Value = ProfileKind> {
-    prop_oneof![Just(ProfileKind::Beta), Just(ProfileKind::Trapezoid)]
+    prop_oneof![
+        Just(ProfileKind::Beta),
+        Just(ProfileKind::Trapezoid),
+        Just(ProfileKind::SCurve),
+    ]
 }
 
 fn session() -> impl Strategy<Value = Session> {
@@ -139,6 +145,8 @@ fn step() -> impl Strategy<Value = Step> {
         1 => (session(), any::<i32>())
             .prop_map(|(session, ahead)| Step::Trigger { session, ahead: ahead.into() }),
         2 => (1u32..200, 1u32..200, ahead()).prop_map(|(a, d, n)| Step::Shape(a, d, n)),
+        1 => (1.0..400.0f64, 1.0..400.0f64, ahead()).prop_map(|(a, d, n)| Step::Ramps(a, d, n)),
+        1 => (0.5..30.0f64, 100.0..40_000.0f64, ahead()).prop_map(|(v, j, n)| Step::Peaks(v, j, n)),
         2 => (action(), session(), ahead()).prop_map(|(a, s, n)| Step::Control(a, s, n)),
         2 => any::<u8>().prop_map(Step::Stop),
         1 => Just(Step::EmergencyStop),
@@ -200,7 +208,11 @@ impl Run {
             Command::decode(frame),
             Ok(Some((
                 _,
-                Command::Stop { .. } | Command::Control { .. } | Command::TrapezoidShape { .. }
+                Command::Stop { .. }
+                    | Command::Control { .. }
+                    | Command::TrapezoidShape { .. }
+                    | Command::RampLimits { .. }
+                    | Command::PeakLimits { .. }
             )))
         );
         match outcome {
@@ -314,6 +326,23 @@ impl Run {
                 self.send(Command::TrapezoidShape {
                     acceleration: Ticks(acceleration),
                     deceleration: Ticks(deceleration),
+                    sequence,
+                });
+            }
+            Step::Ramps(acceleration, deceleration, ahead) => {
+                let sequence = self.number(ahead);
+                let limit = |value| Acceleration::from_radians(value).expect("in range");
+                self.send(Command::RampLimits {
+                    acceleration: limit(acceleration),
+                    deceleration: limit(deceleration),
+                    sequence,
+                });
+            }
+            Step::Peaks(velocity, jerk, ahead) => {
+                let sequence = self.number(ahead);
+                self.send(Command::PeakLimits {
+                    velocity: Velocity::from_radians(velocity).expect("in range"),
+                    jerk: Jerk::from_radians(jerk).expect("in range"),
                     sequence,
                 });
             }

@@ -6,6 +6,7 @@ use canter_shared::axis::fault::Fault;
 use canter_shared::axis::state::State;
 use canter_shared::limits::{DEFAULT_VALUES, LimitValues, Limits};
 use canter_shared::motion::shaping::{ShaperKind, Shaping, ShapingError};
+use canter_shared::motion::shortest_s_curve;
 use canter_shared::wire::command::Command;
 use std::f64::consts::TAU;
 
@@ -59,12 +60,13 @@ fn swing_after_a_move(shaping: Option<&Shaping>) -> f64 {
     let mut bench = Bench::enabled(Limits::default(), 0.0);
     assert_eq!(bench.axis.shape(shaping), Ok(()));
     let mut mass = Mass::default();
-    assert_eq!(bench.go_s_curve(0.2, 130), Outcome::Accepted);
+    let shortest = shortest_s_curve(turns(0.25), &Limits::default()).expect("a short way");
+    assert_eq!(bench.go_s_curve(0.25, shortest.0), Outcome::Accepted);
     while bench.axis.is_moving() {
         bench.step();
         mass.follow(&bench);
     }
-    assert_eq!(bench.setpoint.position, turns(0.2));
+    assert_eq!(bench.setpoint.position, turns(0.25));
     mass.swing(&bench)
 }
 
@@ -126,7 +128,8 @@ fn a_shaped_axis_that_is_disabled_stops_first_and_is_enabled_where_it_stands() {
     assert_eq!(bench.control(Action::Enable), Outcome::Accepted);
     bench.run(20);
     assert_eq!(bench.axis.state(), State::OperationEnabled);
-    assert_eq!(bench.setpoint.position, place);
+    // The drive followed a little behind when its torque went.
+    assert!((bench.setpoint.position - place).abs().radians() < 1e-5);
     assert_eq!(bench.go(0.0, 2_000), Outcome::Accepted);
     bench.ticks_to_rest(2_000 + delay() + 1);
     assert_eq!(bench.setpoint.position, turns(0.0));
@@ -142,8 +145,9 @@ fn unequal_accelerations_are_kept_by_sense() {
     })
     .expect("in range");
     let mut bench = shaped(limits);
-    for (target, ticks) in [(3.0, 900), (-3.0, 650), (4.0, 1_000), (0.0, 3_000)] {
-        assert_eq!(bench.go_s_curve(target, 10), Outcome::Accepted);
+    // The first from rest, the others in mid-move.
+    for (target, least, ticks) in [(3.0, 2_000, 900), (-3.0, 10, 650), (4.0, 10, 1_000)] {
+        assert_eq!(bench.go_s_curve(target, least), Outcome::Accepted);
         for _ in 0..ticks {
             bench.step();
             let (v, a) = (bench.velocity(), bench.setpoint.acceleration.radians());
@@ -163,5 +167,5 @@ fn what_is_shaped_changes_only_at_rest() {
     bench.ticks_to_rest(delay() + 1);
     assert_eq!(bench.axis.shape(None), Ok(()));
     assert_eq!(bench.go(0.0, 1_000), Outcome::Accepted);
-    assert_eq!(bench.ticks_to_rest(1_100).abs_diff(1_000) <= 1, true);
+    assert!(bench.ticks_to_rest(1_100).abs_diff(1_000) <= 1);
 }
