@@ -1,6 +1,7 @@
 //! Taking on a move: from rest as it is asked for, otherwise as a retarget.
 
 use super::beta::Beta;
+use super::chain::Chain;
 use super::trapezoid::Trapezoid;
 use super::{Motion, Move, PlanError, Planned, Profile, smooth};
 use crate::limits::Limits;
@@ -60,7 +61,8 @@ impl Motion {
         };
         // The base moves by the range; what is laid over it stays as it is.
         let rest = self.rest.saturating_add(range.counts());
-        let chain = match asked.profile {
+        let mut chain = Chain::new(start, self.rest);
+        let laid = match asked.profile {
             Profile::Beta => {
                 let beta = Beta::new(start, range, asked.duration);
                 if !beta.keeps(limits) {
@@ -73,8 +75,9 @@ impl Motion {
                 });
             }
             Profile::SCurve => {
-                let chain = smooth::from_rest(start, self.rest, range, asked.duration, limits);
-                Some(chain.map_err(too_fast)?)
+                smooth::from_rest(&mut chain, range, rest, asked.duration, limits)
+                    .map_err(too_fast)?;
+                Some(())
             }
             Profile::Trapezoid | Profile::ShapedTrapezoid { .. } => {
                 let trapezoid = shape(range, asked, limits).ok_or_else(|| {
@@ -83,10 +86,13 @@ impl Motion {
                     // Long enough, but its ramps are too steep: one tick more says so.
                     too_fast(shortest.map(|shortest| shortest.max(Ticks(asked.duration.0 + 1))))
                 })?;
-                trapezoid.chain(start, self.rest, rest)
+                let laid = chain.lay(trapezoid.pieces(range.counts()), Some(rest));
+                chain.step();
+                laid
             }
         };
-        let chain = chain.ok_or(PlanError::TooLong)?.departing();
+        laid.ok_or(PlanError::TooLong)?;
+        chain.depart();
         let end = start.after(asked.duration);
         self.phases
             .extend_from_slice(&chain.phases)

@@ -3,6 +3,7 @@
 //! It is the quickest change of velocity to zero with limited jerk, see `change`.
 
 use super::Motion;
+use super::chain::Chain;
 use crate::limits::Limits;
 use crate::time::Tick;
 
@@ -25,16 +26,16 @@ impl Motion {
             return now;
         };
         let commanded = self.commanded(now);
-        let stop = TIMES
-            .into_iter()
-            .filter_map(|times| commanded.stop(now, limits, times))
-            .find(|chain| chain.stays(limits));
-        match stop {
-            Some(chain) if chain.end < end => {
-                self.take_over(now, &chain);
-                chain.end
+        for times in TIMES {
+            let mut chain = Chain::new(now, commanded.state.position.counts());
+            if commanded.stop(&mut chain, limits, times).is_some() && chain.stays(limits) {
+                if chain.end < end {
+                    self.take_over(now, &chain);
+                    return chain.end;
+                }
+                break;
             }
-            _ => end,
         }
+        end
     }
 }
