@@ -35,16 +35,31 @@ impl Motion {
             return Err(PlanError::TooLong);
         }
         let start = start.max(now);
+        if !self.has_pending(now) {
+            self.fold(now);
+            return self.take_on(now, start, asked, limits);
+        }
         let mut next = self.clone();
         next.drop_pending(now);
         next.fold(now);
-        let planned = if next.is_moving(start) {
-            next.retarget(now, start, asked, limits)?
-        } else {
-            next.depart(start, asked, limits)?
-        };
+        let planned = next.take_on(now, start, asked, limits)?;
         *self = next;
         Ok(planned)
+    }
+
+    /// Takes on a move while none waits.
+    fn take_on(
+        &mut self,
+        now: Tick,
+        start: Tick,
+        asked: Move,
+        limits: &Limits,
+    ) -> Result<Planned, PlanError> {
+        if self.is_moving(start) {
+            self.retarget(now, start, asked, limits)
+        } else {
+            self.depart(start, asked, limits)
+        }
     }
 
     /// Adds a move from the rest that the motion has come to by `start`.

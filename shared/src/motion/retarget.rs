@@ -35,6 +35,7 @@ impl Motion {
                 return Ok(Planned { start, end });
             }
         }
+        let before = self.clone();
         let start = self.stop(now, limits).max(start);
         let range = asked.target - self.target();
         let profile = match asked.profile {
@@ -42,13 +43,18 @@ impl Motion {
             Profile::ShapedTrapezoid { .. } => Profile::Trapezoid,
             profile => profile,
         };
-        let least = shortest(profile, range, limits).ok_or(PlanError::TooLong)?;
+        // Without a shortest duration what is asked for is refused as well.
+        let least = shortest(profile, range, limits).unwrap_or(asked.duration);
         let asked = Move {
             duration: asked.duration.max(least),
             profile,
             ..asked
         };
-        self.depart(start, asked, limits)
+        let planned = self.depart(start, asked, limits);
+        if planned.is_err() {
+            *self = before;
+        }
+        planned
     }
 
     /// Lays a beta move over those under way; gives the end of all.
