@@ -89,7 +89,7 @@ struct Slower {
 impl Slower {
     /// What is left of the time for a cruise at `velocity`.
     fn cruise(&self, velocity: f64) -> f64 {
-        let change = self.up.to_velocity(velocity).direct().duration(self.up.a0);
+        let change = self.up.towards(velocity).direct().duration(self.up.a0);
         self.time - change - change_time(velocity, self.up.range.fall)
     }
 
@@ -104,7 +104,7 @@ impl Slower {
         } = self.up;
         let curve = |velocity: f64| {
             let stop = Triangle::new(velocity, range.fall);
-            let (change, turn, sign) = if self.up.to_velocity(velocity).rises() {
+            let (change, turn, sign) = if self.up.towards(velocity).rises() {
                 (Triangle::new(velocity - begin, range.rise), a0, -1.0)
             } else {
                 let top = begin + a0 * a0;
@@ -140,7 +140,7 @@ impl Slower {
     /// Lays the motion that cruises at `velocity`.
     fn lay(&self, velocity: f64, sign: f64, pieces: &mut Pieces) {
         self.up
-            .to_velocity(velocity)
+            .towards(velocity)
             .direct()
             .lay(self.up.a0, sign, pieces);
         pieces.push(Piece::cruise(self.cruise(velocity), sign * velocity));

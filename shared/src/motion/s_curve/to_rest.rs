@@ -73,7 +73,7 @@ fn two_steps(up: &Upward) -> Option<f64> {
     let curve = |velocity: f64| {
         let stop = velocity / 2.0 * change_time(velocity, range.fall);
         Curve {
-            value: up.to_velocity(velocity).direct_reach().0 + stop - up.reach,
+            value: up.towards(velocity).direct_reach().0 + stop - up.reach,
             // Halving is enough here: such a start is rare.
             slope: 0.0,
             curvature: 0.0,

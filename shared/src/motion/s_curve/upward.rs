@@ -76,7 +76,7 @@ impl Upward {
     }
 
     /// From the same start to another velocity.
-    pub fn to_velocity(&self, v1: f64) -> Self {
+    pub fn towards(&self, v1: f64) -> Self {
         Self::change(self.a0, self.begin, v1, &self.range)
     }
 
