@@ -97,12 +97,13 @@ impl Upward {
     pub fn free(&self, low: f64, high: f64) -> Lobes {
         let (sum, gain, reach) = (self.sum(), self.gain(), self.reach);
         let curve = |s: f64| {
-            let ratio = gain / s;
+            let inverse = 1.0 / s;
+            let ratio = gain * inverse;
             let (s2, ratio2) = (s * s, ratio * ratio);
             Curve {
                 value: s * (s2 / 4.0 + sum - ratio2 / 4.0) - reach,
                 slope: 0.75 * s2 + sum + ratio2 / 4.0,
-                curvature: (1.5 * s2 - ratio2 / 2.0) / s,
+                curvature: (1.5 * s2 - ratio2 / 2.0) * inverse,
             }
         };
         let guess = self.guess(low, &curve);

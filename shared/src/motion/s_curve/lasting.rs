@@ -14,7 +14,7 @@
 //! motions that keep the limits keeps them too.
 
 use super::brake::brake;
-use super::lobes::{Lobes, change_peak, change_time};
+use super::lobes::{Lobes, Triangle, change_peak, change_time};
 use super::root::{CORNERED, Curve, root};
 use super::unit::{Piece, Pieces, Range, State};
 use super::upward::Upward;
@@ -180,33 +180,6 @@ impl Slower {
             left -= duration;
             if near.ended() && far.ended() {
                 break;
-            }
-        }
-    }
-}
-
-/// The area h(w) between the time and a change of velocity by w, and its derivatives.
-struct Triangle {
-    area: f64,
-    slope: f64,
-    curvature: f64,
-}
-
-impl Triangle {
-    fn new(change: f64, limit: f64) -> Self {
-        let change = change.max(0.0);
-        if change >= limit * limit {
-            Self {
-                area: change / 2.0 * (limit + change / limit),
-                slope: limit / 2.0 + change / limit,
-                curvature: 1.0 / limit,
-            }
-        } else {
-            let peak = libm::sqrt(change);
-            Self {
-                area: change * peak,
-                slope: 1.5 * peak,
-                curvature: if peak > 0.0 { 0.75 / peak } else { 0.0 },
             }
         }
     }

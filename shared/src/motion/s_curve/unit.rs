@@ -39,16 +39,22 @@ impl State {
     /// What comes of it after `piece`.
     pub fn after(self, piece: Piece) -> Self {
         let Piece { duration, jerk, .. } = piece;
-        let Self {
+        let from = Sample {
+            position: self.position,
+            velocity: self.velocity,
+            acceleration: self.acceleration,
+            jerk,
+        };
+        let Sample {
             position,
             velocity,
             acceleration,
-        } = self;
+            ..
+        } = from.after(duration);
         Self {
-            position: position
-                + duration * (velocity + duration * (acceleration / 2.0 + duration * jerk / 6.0)),
-            velocity: velocity + duration * (acceleration + duration * jerk / 2.0),
-            acceleration: acceleration + duration * jerk,
+            position,
+            velocity,
+            acceleration,
         }
     }
 }
