@@ -7,9 +7,9 @@ use super::chain::Chain;
 use crate::limits::Limits;
 use crate::time::Tick;
 
-/// Multiples of the jerk limit that a stop is tried with: where it would leave the travel, the
+/// Multiples of the jerk limit that a stop is tried with where it would leave the travel: the
 /// travel goes before the jerk.
-const TIMES: [f64; 5] = [1.0, 4.0, 16.0, 256.0, 65_536.0];
+const HARDER: [f64; 4] = [4.0, 16.0, 256.0, 65_536.0];
 
 impl Motion {
     /// Comes to rest as quickly as the limits allow, wherever that is; what was still to start is
@@ -26,13 +26,17 @@ impl Motion {
             return now;
         };
         let commanded = self.commanded(now);
-        for times in TIMES {
+        for times in [1.0].into_iter().chain(HARDER) {
             let mut chain = Chain::new(now, commanded.state.position.counts());
-            if commanded.stop(&mut chain, limits, times).is_some() && chain.stays(limits) {
-                if chain.end < end {
-                    self.take_over(now, &chain);
-                    return chain.end;
-                }
+            let laid = commanded.stop(&mut chain, limits, times).is_some();
+            if !laid || !chain.stays(limits) {
+                continue;
+            }
+            if chain.end < end {
+                self.take_over(now, &chain);
+                return chain.end;
+            }
+            if times == 1.0 {
                 break;
             }
         }
