@@ -185,6 +185,9 @@ impl Motion {
 
     /// Forgets what has ended by `tick`, whose place the base takes over exactly.
     pub fn fold(&mut self, tick: Tick) {
+        if self.phases.is_empty() && self.betas.is_empty() {
+            return;
+        }
         if self.takeover.is_some_and(|takeover| takeover.tick <= tick) {
             self.takeover = None;
             self.betas.clear();
@@ -207,6 +210,16 @@ impl Motion {
             }
             !ended
         });
+    }
+
+    /// Whether a move is to start at `now` or later.
+    fn has_pending(&self, now: Tick) -> bool {
+        self.takeover.is_some_and(|takeover| now <= takeover.tick)
+            || self.betas.iter().any(|beta| beta.start() >= now)
+            || self
+                .phases
+                .iter()
+                .any(|phase| phase.departs() && phase.first() >= now)
     }
 
     /// Drops the moves that were to start at `now` or later, and so have not moved anything yet.

@@ -3,7 +3,6 @@
 /// Here so that the files lie in a folder of their own.
 mod motion {
     mod beta;
-    mod debug;
     mod from_rest;
     mod limits;
     mod nonsense;

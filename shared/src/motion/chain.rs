@@ -4,7 +4,7 @@
 //! then inside what a solver accepts, and turning it into counts is exact.
 
 use super::phase::{COEFFICIENT_BITS, FARTHEST, Moment, Phase, Rates, Span};
-use super::segments::{MOST_SEGMENTS, Segments};
+use super::segments::{MOST_SEGMENTS, Segment, Segments};
 use super::trajectory::Trajectory;
 use crate::limits::Limits;
 use crate::time::{LONGEST_MOVE, Tick};
@@ -37,51 +37,58 @@ pub(crate) struct Piece {
 }
 
 impl Chain {
-    /// The phases of `segments`, in turns from the place `from`; they begin at `start` and end at
-    /// rest at `to`.
+    /// Without phases, at rest at the place `from`, in counts.
     ///
-    /// `None` where they last longer than a move may, or do not fit the arithmetic, which the
-    /// travel of an axis rules out.
-    pub(crate) fn new(segments: &Segments, start: Tick, from: i64, to: i64) -> Option<Self> {
+    /// A chain is a kibibyte: it is laid where it stands and not handed around.
+    pub(crate) fn new(start: Tick, from: i64) -> Self {
+        Self {
+            phases: Vec::new(),
+            start,
+            end: start,
+            from,
+            rest: from,
+            reach: (0, 0),
+        }
+    }
+
+    /// Lays the phases of `segments`, in turns from where the chain starts, to rest at `to`.
+    ///
+    /// `None` as [`Self::lay`].
+    pub(crate) fn lay_segments(&mut self, segments: &Segments, to: i64) -> Option<()> {
         let whole = Moment::from_seconds(segments.duration()).settled();
         let pieces = segments.segments();
         // Each piece ends where and how the next one begins, the last one at rest.
-        let begins = |piece: &super::segments::Segment| {
+        let begins = |piece: &Segment| {
             let entry = Rates::new(piece.entry.velocity, piece.entry.acceleration);
             (Moment::from_seconds(piece.start), entry)
         };
-        let follows = pieces.iter().skip(1).map(begins);
         let mut entry = pieces.first().map(begins).unwrap_or_default().1;
+        let follows = pieces.iter().skip(1).map(begins);
         let follows = follows.chain([(whole, Rates::default())]);
         let pieces = follows.map(|(ends, exit)| {
             let piece = Piece { ends, entry, exit };
             entry = exit;
             piece
         });
-        Self::of(pieces, start, from, Some(to))
+        self.lay(pieces, Some(to))
     }
 
-    /// The phases of `pieces` from the place `from` at `start` to rest at `to`, or where they lead
-    /// to, in counts.
-    pub(crate) fn of(
+    /// Lays the phases of `pieces` to rest at `to`, or where they lead to, in counts.
+    ///
+    /// `None`, and the chain is of no use, where they last longer than a move may, or do not fit
+    /// the arithmetic, which the travel of an axis rules out.
+    pub(crate) fn lay(
+        &mut self,
         pieces: impl Iterator<Item = Piece>,
-        start: Tick,
-        from: i64,
         to: Option<i64>,
-    ) -> Option<Self> {
+    ) -> Option<()> {
         let far = |place: i64| place.unsigned_abs() > FARTHEST.unsigned_abs();
-        if far(from) || to.is_some_and(far) {
+        if far(self.from) || to.is_some_and(far) {
             return None;
         }
-        let mut place = from << COEFFICIENT_BITS;
-        let mut chain = Self {
-            phases: Vec::new(),
-            start,
-            end: start,
-            from,
-            rest: to.unwrap_or(from),
-            reach: (place, place),
-        };
+        self.rest = to.unwrap_or(self.from);
+        let mut place = self.from << COEFFICIENT_BITS;
+        self.reach = (place, place);
         let mut begins = Moment::default();
         let mut ended = begins;
         let lasts = |piece: &Piece| {
@@ -95,27 +102,27 @@ impl Chain {
                 return None;
             }
             let span = Span {
-                start,
+                start: self.start,
                 from: begins,
                 to: piece.ends,
             };
             let mut phase = Phase::new(span, place, piece.entry, piece.exit)?;
             if pieces.peek().is_none() {
                 if to.is_none() {
-                    chain.rest = phase.exit_position();
+                    self.rest = phase.exit_position();
                 }
-                phase.end_at(chain.rest << COEFFICIENT_BITS);
+                phase.end_at(self.rest << COEFFICIENT_BITS);
             }
             let (least, greatest) = phase.reach();
-            chain.reach = (chain.reach.0.min(least), chain.reach.1.max(greatest));
+            self.reach = (self.reach.0.min(least), self.reach.1.max(greatest));
             place = phase.exit();
             begins = piece.ends;
-            chain.end = phase.end();
+            self.end = phase.end();
             if phase.is_seen() {
-                chain.phases.push(phase).ok()?;
+                self.phases.push(phase).ok()?;
             }
         }
-        Some(chain)
+        Some(())
     }
 
     /// Whether it stays inside the travel. Outside of it, the way back in belongs to it.
@@ -130,18 +137,16 @@ impl Chain {
             && greatest < raised(limits.position_maximum(), i64::max) + half
     }
 
-    /// The same chain as one that leaves from rest, and that can be dropped before.
-    pub(crate) fn departing(mut self) -> Self {
+    /// Marks it as one that leaves from rest, and that can be dropped before.
+    pub(crate) fn depart(&mut self) {
         if let Some(first) = self.phases.first_mut() {
             first.depart();
         }
-        self
     }
 
-    /// The same chain as one whose acceleration steps.
-    pub(crate) fn stepping(mut self) -> Self {
+    /// Marks it as one whose acceleration steps.
+    pub(crate) fn step(&mut self) {
         self.phases.iter_mut().for_each(Phase::step);
-        self
     }
 }
 

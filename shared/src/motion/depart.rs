@@ -1,6 +1,7 @@
 //! Taking on a move: from rest as it is asked for, otherwise as a retarget.
 
 use super::beta::Beta;
+use super::chain::Chain;
 use super::trapezoid::Trapezoid;
 use super::{Motion, Move, PlanError, Planned, Profile, smooth};
 use crate::limits::Limits;
@@ -34,16 +35,31 @@ impl Motion {
             return Err(PlanError::TooLong);
         }
         let start = start.max(now);
+        if !self.has_pending(now) {
+            self.fold(now);
+            return self.take_on(now, start, asked, limits);
+        }
         let mut next = self.clone();
         next.drop_pending(now);
         next.fold(now);
-        let planned = if next.is_moving(start) {
-            next.retarget(now, start, asked, limits)?
-        } else {
-            next.depart(start, asked, limits)?
-        };
+        let planned = next.take_on(now, start, asked, limits)?;
         *self = next;
         Ok(planned)
+    }
+
+    /// Takes on a move while none waits.
+    fn take_on(
+        &mut self,
+        now: Tick,
+        start: Tick,
+        asked: Move,
+        limits: &Limits,
+    ) -> Result<Planned, PlanError> {
+        if self.is_moving(start) {
+            self.retarget(now, start, asked, limits)
+        } else {
+            self.depart(start, asked, limits)
+        }
     }
 
     /// Adds a move from the rest that the motion has come to by `start`.
@@ -60,7 +76,8 @@ impl Motion {
         };
         // The base moves by the range; what is laid over it stays as it is.
         let rest = self.rest.saturating_add(range.counts());
-        let chain = match asked.profile {
+        let mut chain = Chain::new(start, self.rest);
+        let laid = match asked.profile {
             Profile::Beta => {
                 let beta = Beta::new(start, range, asked.duration);
                 if !beta.keeps(limits) {
@@ -73,8 +90,9 @@ impl Motion {
                 });
             }
             Profile::SCurve => {
-                let chain = smooth::from_rest(start, self.rest, range, asked.duration, limits);
-                Some(chain.map_err(too_fast)?)
+                smooth::from_rest(&mut chain, range, rest, asked.duration, limits)
+                    .map_err(too_fast)?;
+                Some(())
             }
             Profile::Trapezoid | Profile::ShapedTrapezoid { .. } => {
                 let trapezoid = shape(range, asked, limits).ok_or_else(|| {
@@ -83,10 +101,13 @@ impl Motion {
                     // Long enough, but its ramps are too steep: one tick more says so.
                     too_fast(shortest.map(|shortest| shortest.max(Ticks(asked.duration.0 + 1))))
                 })?;
-                trapezoid.chain(start, self.rest, rest)
+                let laid = chain.lay(trapezoid.pieces(range.counts()), Some(rest));
+                chain.step();
+                laid
             }
         };
-        let chain = chain.ok_or(PlanError::TooLong)?.departing();
+        laid.ok_or(PlanError::TooLong)?;
+        chain.depart();
         let end = start.after(asked.duration);
         self.phases
             .extend_from_slice(&chain.phases)

@@ -13,13 +13,12 @@ use super::fixed::square_root_f32;
 use crate::limits::Limits;
 use crate::time::{LONGEST_MOVE, TICKS_PER_SECOND, Tick, Ticks};
 use crate::units::Position;
-use heapless::Vec;
 
 /// Windows over what is left of the moves under way: more find a shorter duration, and cost more.
-const WINDOWS: usize = 20;
+const WINDOWS: usize = 24;
 
 /// How many times the asked duration is tried, in eighths.
-const STRETCHES: [u64; 7] = [8, 9, 10, 12, 16, 20, 24];
+const STRETCHES: [u64; 8] = [8, 9, 10, 12, 14, 16, 20, 24];
 
 /// What a sum of fractions of a limit must stay below: 16 times 2^-22, where each of the few
 /// operations behind a fraction errs by at most 2^-24.
@@ -28,16 +27,15 @@ const ALLOWED: f32 = 1.0 - 16.0 / (1u32 << 22) as f32;
 /// Velocity, acceleration and jerk as fractions of their limits, or of their peaks.
 type Rates = [f32; 3];
 
-/// Where the unit curve's rates have their peaks: which rate, at which part of the duration, and
-/// the sign. The velocity's is in the middle, the acceleration's at x = +-1/2, the jerk's at
-/// x = +-sqrt(3)/2 and in the middle.
-const PEAKS: [(usize, f32, f32); 6] = [
-    (0, 0.5, 1.0),
-    (1, 0.25, 1.0),
-    (1, 0.75, -1.0),
-    (2, (1.0 - HALF_ROOT_3) / 2.0, 1.0),
-    (2, 0.5, -1.0),
-    (2, (1.0 + HALF_ROOT_3) / 2.0, 1.0),
+/// Where the unit curve's rates have their peaks, as parts of the duration: the jerk's, the
+/// acceleration's, the velocity's with the jerk's of the other sign, and back. They are at
+/// x = +-sqrt(3)/2, +-1/2 and 0.
+const PEAKS: [f32; 5] = [
+    (1.0 - HALF_ROOT_3) / 2.0,
+    0.25,
+    0.5,
+    0.75,
+    (1.0 + HALF_ROOT_3) / 2.0,
 ];
 
 const HALF_ROOT_3: f32 = 0.866_025_4;
@@ -68,8 +66,9 @@ struct Curve {
     duration: f32,
     /// 1 / duration.
     rate: f32,
-    /// The signed peaks.
+    /// The signed peaks, and when they are.
     peaks: Rates,
+    times: [f32; 5],
 }
 
 impl Curve {
@@ -82,6 +81,7 @@ impl Curve {
             start,
             duration,
             rate: 1.0 / duration,
+            times: PEAKS.map(|part| start + part * duration),
             peaks: [
                 velocity * PEAK_VELOCITY as f32 / scale.velocity,
                 acceleration * PEAK_ACCELERATION as f32 / scale.acceleration,
@@ -115,29 +115,47 @@ impl Curve {
             least: first,
             greatest: first,
         };
-        for ((least, greatest), value) in bounds.lanes().zip(last) {
-            widen(least, greatest, value);
-        }
-        for (rate, part, sign) in PEAKS {
-            let time = self.start + part * self.duration;
+        bounds.include(last);
+        let [velocity, acceleration, jerk] = self.peaks;
+        let [v, a, j] = first;
+        // Each of these is the value at one peak, and a value of the window already elsewhere.
+        let values = [
+            [v, a, jerk],
+            [v, acceleration, j],
+            [velocity, a, -jerk],
+            [v, -acceleration, j],
+            [v, a, jerk],
+        ];
+        for (time, value) in self.times.into_iter().zip(values) {
             if from < time && time < to {
-                let peaks = self.peaks.iter().zip(bounds.lanes());
-                if let Some((peak, (least, greatest))) = peaks.into_iter().nth(rate) {
-                    widen(least, greatest, sign * peak);
-                }
+                bounds.include(value);
             }
         }
         bounds
     }
+
+    /// How many times as long it must last to keep the limits by itself.
+    fn stretch(&self) -> f32 {
+        let [velocity, acceleration, jerk] = self.peaks.map(f32::abs);
+        let by_acceleration = square_root_f32(acceleration + f32::MIN_POSITIVE);
+        let mut stretch = 1.0;
+        for by in [velocity, by_acceleration, cube_root(jerk)] {
+            if by > stretch {
+                stretch = by;
+            }
+        }
+        stretch
+    }
 }
 
-fn widen(least: &mut f32, greatest: &mut f32, value: f32) {
-    if value < *least {
-        *least = value;
+/// The cube root of a positive f32 to 20 bits or so: from its bits, and two Newton steps.
+fn cube_root(value: f32) -> f32 {
+    // A third of the exponent, with the constant that spreads the error evenly.
+    let mut root = f32::from_bits(value.to_bits() / 3 + 0x2A51_19F2);
+    for _ in 0..3 {
+        root = (root + root + value / (root * root)) * (1.0 / 3.0);
     }
-    if value > *greatest {
-        *greatest = value;
-    }
+    root
 }
 
 /// The least and greatest values over a window.
@@ -148,22 +166,29 @@ struct Bounds {
 }
 
 impl Bounds {
-    fn lanes(&mut self) -> impl Iterator<Item = (&mut f32, &mut f32)> {
-        self.least.iter_mut().zip(&mut self.greatest)
+    fn include(&mut self, value: Rates) {
+        for ((least, greatest), value) in self.least.iter_mut().zip(&mut self.greatest).zip(value) {
+            if value < *least {
+                *least = value;
+            }
+            if value > *greatest {
+                *greatest = value;
+            }
+        }
     }
 
-    fn plus(mut self, other: &Self) -> Self {
-        let others = other.least.iter().zip(&other.greatest);
-        for ((least, greatest), (less, more)) in self.lanes().zip(others) {
-            *least += less;
-            *greatest += more;
+    fn plus(&self, other: &Self) -> Self {
+        let sum = |[a, b, c]: Rates, [d, e, f]: Rates| [a + d, b + e, c + f];
+        Self {
+            least: sum(self.least, other.least),
+            greatest: sum(self.greatest, other.greatest),
         }
-        self
     }
 
     fn allowed(&self) -> bool {
-        self.least.iter().all(|least| *least >= -ALLOWED)
-            && self.greatest.iter().all(|greatest| *greatest <= ALLOWED)
+        let ([v, a, j], [more_v, more_a, more_j]) = (self.least, self.greatest);
+        let inside = |least: f32, greatest: f32| least >= -ALLOWED && greatest <= ALLOWED;
+        inside(v, more_v) && inside(a, more_a) && inside(j, more_j)
     }
 }
 
@@ -202,7 +227,7 @@ impl Room {
 
 /// What is under way, from the start of a new move on: its bounds over each window.
 struct UnderWay {
-    windows: Vec<Bounds, WINDOWS>,
+    windows: [Bounds; WINDOWS],
     /// Ticks in one window.
     width: f32,
 }
@@ -211,10 +236,7 @@ impl UnderWay {
     fn new(betas: &[Beta], start: Tick, scale: &Scale) -> Self {
         let end = betas.iter().map(Beta::end).fold(start, Tick::max);
         let width = end.since(start).0 as f32 / WINDOWS as f32;
-        let mut windows = Vec::new();
-        for _ in 0..WINDOWS {
-            let _ = windows.push(Bounds::default());
-        }
+        let mut windows = [Bounds::default(); WINDOWS];
         for beta in betas {
             let begun = start.since(beta.start()).0 as f32;
             let curve = Curve::new(
@@ -251,11 +273,11 @@ impl UnderWay {
             first = last;
             let ([least, ..], [greatest, ..]) = (sum.least, sum.greatest);
             // Inside the window as at its end: whichever is farther.
-            let stays = lowest + way * least.min(0.0) >= -room.below
-                && highest + way * greatest.max(0.0) <= room.above;
+            let stays = |lowest: f32, highest: f32| lowest >= -room.below && highest <= room.above;
+            let before = stays(lowest, highest);
             lowest += way * least;
             highest += way * greatest;
-            stays && (from >= added.duration || sum.allowed())
+            before && stays(lowest, highest) && (from >= added.duration || sum.allowed())
         })
     }
 }
@@ -277,28 +299,27 @@ pub(crate) fn overlay(
     asked: Ticks,
     limits: &Limits,
 ) -> Option<Beta> {
-    let alone = Beta::new(start, range, asked);
-    let asked = if alone.keeps(limits) {
-        alone.duration()
-    } else {
-        asked.max(Beta::shortest(range, limits)?)
-    };
     let left = under_way
         .iter()
         .map(|beta| (beta.range() - beta.position(start)).counts());
     let room = Room::at(place, left.chain([range.counts()]), limits);
     let scale = Scale::of(limits);
+    let asked = asked.0.max(1) as f32;
+    let alone = Curve::new(0.0, range.counts(), asked, &scale).stretch();
+    // Rounded up by more than an f32 errs.
+    let least = (asked * alone / ALLOWED) as u64 + u64::from(alone > 1.0);
     let others = UnderWay::new(under_way, start, &scale);
     STRETCHES.into_iter().find_map(|eighths| {
-        let duration = (u64::from(asked.0) * eighths).div_ceil(8);
+        let duration = (least * eighths).div_ceil(8);
         if duration > u64::from(LONGEST_MOVE.0) {
             return None;
         }
-        let duration = Ticks(duration as u32);
-        let curve = Curve::new(0.0, range.counts(), duration.0 as f32, &scale);
-        others
-            .keeps(&curve, room, &scale)
-            .then(|| Beta::new(start, range, duration))
+        let curve = Curve::new(0.0, range.counts(), duration as f32, &scale);
+        if !others.keeps(&curve, room, &scale) {
+            return None;
+        }
+        let added = Beta::new(start, range, Ticks(duration as u32));
+        added.keeps(limits).then_some(added)
     })
 }
 

@@ -2,11 +2,11 @@
 
 use super::chain::{Chain, turns};
 use super::depart::{inside, shortest};
+use super::smooth::Commanded;
 use super::{Motion, Move, OVERLAID_MOVES, PlanError, Planned, Profile};
 use super::{overlay, smooth, trapezoid};
 use crate::limits::Limits;
 use crate::time::{Tick, Ticks};
-use crate::units::Position;
 
 impl Motion {
     /// Changes the target under way at `start`: by laying a beta move over it, by a curve from the
@@ -23,19 +23,19 @@ impl Motion {
         {
             return Ok(Planned { start, end });
         }
-        let planned = |chain: &Chain| Planned {
-            start: chain.start,
-            end: chain.end,
-        };
         // Where there is no room for what goes on until `start`, it leaves at once.
         for start in [start, now] {
-            let chain = self.lead(start, asked.profile, asked.target, asked.duration, limits);
-            match chain {
-                Some(chain) if self.take_over(now, &chain) => return Ok(planned(&chain)),
-                Some(_) => {}
-                None => break,
+            let commanded = self.commanded(start);
+            let mut chain = Chain::new(start, commanded.state.position.counts());
+            let Some(()) = lead(&mut chain, &commanded, asked, limits) else {
+                break;
+            };
+            if self.take_over(now, &chain) {
+                let end = chain.end;
+                return Ok(Planned { start, end });
             }
         }
+        let before = self.clone();
         let start = self.stop(now, limits).max(start);
         let range = asked.target - self.target();
         let profile = match asked.profile {
@@ -43,13 +43,18 @@ impl Motion {
             Profile::ShapedTrapezoid { .. } => Profile::Trapezoid,
             profile => profile,
         };
-        let least = shortest(profile, range, limits).ok_or(PlanError::TooLong)?;
+        // Without a shortest duration what is asked for is refused as well.
+        let least = shortest(profile, range, limits).unwrap_or(asked.duration);
         let asked = Move {
             duration: asked.duration.max(least),
             profile,
             ..asked
         };
-        self.depart(start, asked, limits)
+        let planned = self.depart(start, asked, limits);
+        if planned.is_err() {
+            *self = before;
+        }
+        planned
     }
 
     /// Lays a beta move over those under way; gives the end of all.
@@ -62,33 +67,6 @@ impl Motion {
         let beta = overlay::overlay(place, &self.betas, start, range, asked.duration, limits)?;
         self.betas.push(beta).ok()?;
         self.end()
-    }
-
-    /// The phases from the commanded state at `start` to rest at `target`; `None` where they
-    /// would leave the travel or last longer than a move may.
-    fn lead(
-        &self,
-        start: Tick,
-        profile: Profile,
-        target: Position,
-        duration: Ticks,
-        limits: &Limits,
-    ) -> Option<Chain> {
-        let commanded = self.commanded(start);
-        let chain = match profile {
-            Profile::Trapezoid | Profile::ShapedTrapezoid { .. } => {
-                let from = commanded.state.position;
-                let velocity = turns(commanded.state.velocity.counts());
-                let distance = turns((target - from).counts());
-                let bounds = smooth::bounds(limits)?;
-                let pieces = trapezoid::to_rest(velocity, distance, duration.seconds(), &bounds);
-                Chain::of(pieces, start, from.counts(), Some(target.counts()))?.stepping()
-            }
-            Profile::Beta | Profile::SCurve => {
-                commanded.to_rest(start, target, duration, limits)?
-            }
-        };
-        chain.stays(limits).then_some(chain)
     }
 
     /// Goes on to the target inside other limits, from `now` on; gives the first tick at rest.
@@ -132,17 +110,21 @@ impl Motion {
                 next.depart(departure.start, asked, limits)?.end
             }
             _ => {
-                let profile = if next.commanded(now).steps {
-                    Profile::Trapezoid
-                } else {
-                    Profile::SCurve
+                let commanded = next.commanded(now);
+                let asked = Move {
+                    target,
+                    duration: end.since(now),
+                    profile: if commanded.steps {
+                        Profile::Trapezoid
+                    } else {
+                        Profile::SCurve
+                    },
                 };
-                let outside = PlanError::OutsideTravel {
+                let mut chain = Chain::new(now, commanded.state.position.counts());
+                lead(&mut chain, &commanded, asked, limits).ok_or(PlanError::OutsideTravel {
                     target,
                     nearest: target,
-                };
-                let chain = next.lead(now, profile, target, end.since(now), limits);
-                let chain = chain.ok_or(outside)?;
+                })?;
                 next.take_over(now, &chain);
                 chain.end
             }
@@ -198,4 +180,28 @@ struct Departure {
     start: Tick,
     duration: Ticks,
     profile: Profile,
+}
+
+/// Lays a chain from a commanded state to a target; `None` where it would leave the travel or last
+/// longer than a move may.
+fn lead(chain: &mut Chain, commanded: &Commanded, asked: Move, limits: &Limits) -> Option<()> {
+    let Move {
+        target,
+        duration,
+        profile,
+    } = asked;
+    match profile {
+        Profile::Trapezoid | Profile::ShapedTrapezoid { .. } => {
+            let velocity = turns(commanded.state.velocity.counts());
+            let distance = turns((target - commanded.state.position).counts());
+            let bounds = smooth::bounds(limits)?;
+            let pieces = trapezoid::to_rest(velocity, distance, duration.seconds(), &bounds);
+            chain.lay(pieces, Some(target.counts()))?;
+            chain.step();
+        }
+        Profile::Beta | Profile::SCurve => {
+            commanded.to_rest(chain, target, duration, limits)?;
+        }
+    }
+    chain.stays(limits).then_some(())
 }

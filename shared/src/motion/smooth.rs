@@ -8,7 +8,7 @@ use super::s_curve::{self, SignedBounds};
 use super::slower::slower;
 use super::trajectory::{Sample, Trajectory};
 use crate::limits::Limits;
-use crate::time::{Tick, Ticks};
+use crate::time::Ticks;
 use crate::units::Position;
 
 /// Counts that a plan stays below each limit, for what the tick's rounding may add.
@@ -48,27 +48,26 @@ fn whole_ticks(seconds: f64) -> Option<Ticks> {
     Ticks::from_seconds_ceil(seconds * (1.0 - 1e-12))
 }
 
-/// From rest over `range` in `duration`, from the place `from` at `start`; otherwise the least
-/// duration, where there is one.
+/// Lays a chain from rest over `range` to `to` in `duration`; otherwise gives the least duration,
+/// where there is one.
 pub(crate) fn from_rest(
-    start: Tick,
-    from: i64,
+    chain: &mut Chain,
     range: Position,
+    to: i64,
     duration: Ticks,
     limits: &Limits,
-) -> Result<Chain, Option<Ticks>> {
+) -> Result<(), Option<Ticks>> {
     let bounds = bounds(limits).ok_or(None)?;
-    let to = from.saturating_add(range.counts());
     let target = turns(range.counts());
     let sign = 1.0f64.copysign(target);
     let rest = Sample::at_rest(0.0);
     let strong = bounds.acceleration();
     if let Some(pieces) = slower(&rest, target, duration, sign, strong, &bounds) {
-        return Chain::of(pieces, start, from, Some(to)).ok_or(None);
+        return chain.lay(pieces, Some(to)).ok_or(None);
     }
     let curve = s_curve::plan(rest, Sample::at_rest(target), &bounds).map_err(|_| None)?;
     match whole_ticks(curve.duration()) {
-        Some(least) if least <= duration => Chain::new(&curve, start, from, to).ok_or(None),
+        Some(least) if least <= duration => chain.lay_segments(&curve, to).ok_or(None),
         least => Err(least),
     }
 }
@@ -130,19 +129,19 @@ impl Commanded {
         entry
     }
 
-    /// To rest at `target` in `duration`, or as quickly as the limits allow where that is longer;
-    /// it begins at `start`.
+    /// Lays a chain from here to rest at `target` in `duration`, or as quickly as the limits allow
+    /// where that is longer.
     pub(crate) fn to_rest(
         &self,
-        start: Tick,
+        chain: &mut Chain,
         target: Position,
         duration: Ticks,
         limits: &Limits,
-    ) -> Option<Chain> {
+    ) -> Option<()> {
         let bounds = bounds(limits)?;
         let from = self.entry(&bounds);
-        let place = self.state.position;
-        let distance = turns((target - place).counts());
+        let distance = turns((target - self.state.position).counts());
+        let to = target.counts();
         let stop = stopping(&from, &bounds);
         // Short of the place where it can stop it goes back, and beyond that it goes on.
         let beyond = distance - stop.distance();
@@ -150,17 +149,12 @@ impl Commanded {
         let rounding = turns(ROUNDING_MARGIN as i64) * (1.0 + seconds + seconds * seconds);
         if beyond.abs() <= rounding && duration.seconds() <= seconds + Ticks(1).seconds() {
             // A state in whole counts stops beside the target by a few of them.
-            return Chain::of(
-                stop.pieces(0.0),
-                start,
-                place.counts(),
-                Some(target.counts()),
-            );
+            return chain.lay(stop.pieces(0.0), Some(to));
         }
         let sign = 1.0f64.copysign(beyond);
         let strong = speeding(sign, &from, &bounds);
         if let Some(pieces) = slower(&from, distance, duration, sign, strong, &bounds) {
-            return Chain::of(pieces, start, place.counts(), Some(target.counts()));
+            return chain.lay(pieces, Some(to));
         }
         let (greatest, least) = if sign < 0.0 {
             (bounds.deceleration(), -strong)
@@ -170,11 +164,11 @@ impl Commanded {
         let velocity = bounds.velocity();
         let signed = SignedBounds::new(velocity, -velocity, greatest, least, bounds.jerk()).ok()?;
         let curve = s_curve::to_rest(from, distance, &signed).ok()?;
-        Chain::new(&curve, start, place.counts(), target.counts())
+        chain.lay_segments(&curve, to)
     }
 
-    /// To rest as quickly as the limits allow, with a multiple of the jerk limit.
-    pub(crate) fn stop(&self, now: Tick, limits: &Limits, times: f64) -> Option<Chain> {
+    /// Lays a chain to rest as quickly as the limits allow, with a multiple of the jerk limit.
+    pub(crate) fn stop(&self, chain: &mut Chain, limits: &Limits, times: f64) -> Option<()> {
         let own = bounds(limits)?;
         let jerk = own.jerk() * times;
         let harder = Bounds::new(own.velocity(), own.acceleration(), own.deceleration(), jerk);
@@ -185,6 +179,6 @@ impl Commanded {
             from.acceleration = 0.0;
         }
         let stop = stopping(&from, &bounds);
-        Chain::of(stop.pieces(0.0), now, self.state.position.counts(), None)
+        chain.lay(stop.pieces(0.0), None)
     }
 }

@@ -3,12 +3,13 @@
 //! It is the quickest change of velocity to zero with limited jerk, see `change`.
 
 use super::Motion;
+use super::chain::Chain;
 use crate::limits::Limits;
 use crate::time::Tick;
 
-/// Multiples of the jerk limit that a stop is tried with: where it would leave the travel, the
+/// Multiples of the jerk limit that a stop is tried with where it would leave the travel: the
 /// travel goes before the jerk.
-const TIMES: [f64; 5] = [1.0, 4.0, 16.0, 256.0, 65_536.0];
+const HARDER: [f64; 4] = [4.0, 16.0, 256.0, 65_536.0];
 
 impl Motion {
     /// Comes to rest as quickly as the limits allow, wherever that is; what was still to start is
@@ -25,16 +26,20 @@ impl Motion {
             return now;
         };
         let commanded = self.commanded(now);
-        let stop = TIMES
-            .into_iter()
-            .filter_map(|times| commanded.stop(now, limits, times))
-            .find(|chain| chain.stays(limits));
-        match stop {
-            Some(chain) if chain.end < end => {
-                self.take_over(now, &chain);
-                chain.end
+        for times in [1.0].into_iter().chain(HARDER) {
+            let mut chain = Chain::new(now, commanded.state.position.counts());
+            let laid = commanded.stop(&mut chain, limits, times).is_some();
+            if !laid || !chain.stays(limits) {
+                continue;
             }
-            _ => end,
+            if chain.end < end {
+                self.take_over(now, &chain);
+                return chain.end;
+            }
+            if times == 1.0 {
+                break;
+            }
         }
+        end
     }
 }

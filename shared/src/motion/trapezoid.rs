@@ -11,11 +11,11 @@ pub mod exact;
 
 pub(crate) use cruise::to_rest;
 
-use super::chain::{Chain, Piece, turns};
+use super::chain::{Piece, turns};
 use super::phase::{Moment, Rates};
 use super::smooth::ROUNDING_MARGIN;
 use crate::limits::Limits;
-use crate::time::{LONGEST_MOVE, TICKS_PER_SECOND, Tick, Ticks};
+use crate::time::{LONGEST_MOVE, TICKS_PER_SECOND, Ticks};
 use crate::units::Position;
 
 /// A trapezoid's phases in ticks: how long it accelerates, cruises and decelerates.
@@ -141,26 +141,23 @@ impl Trapezoid {
         self.keeps(range.counts() as f64, limits)
     }
 
-    /// The phases of the move; `None` where they do not fit the arithmetic, which the travel of an
-    /// axis rules out.
-    pub(crate) fn chain(&self, start: Tick, from: i64, to: i64) -> Option<Chain> {
+    /// The pieces of the move over a range in counts.
+    pub(crate) fn pieces(&self, range: i64) -> impl Iterator<Item = Piece> {
         let rate = TICKS_PER_SECOND as f64;
-        let velocity = self.cruise_velocity(turns(to.saturating_sub(from)));
+        let velocity = self.cruise_velocity(turns(range));
         let fall = Ticks(self.acceleration.0 + self.cruise.0);
         let up = velocity * rate / f64::from(self.acceleration.0);
         let down = -velocity * rate / f64::from(self.deceleration.0);
-        let pieces = [
+        [
             (self.acceleration, up, 0.0, velocity),
             (fall, 0.0, velocity, velocity),
             (self.duration(), down, velocity, 0.0),
-        ];
-        let pieces = pieces
-            .into_iter()
-            .map(|(ends, acceleration, from, to)| Piece {
-                ends: Moment::from_ticks(ends),
-                entry: Rates::new(from, acceleration),
-                exit: Rates::new(to, acceleration),
-            });
-        Some(Chain::of(pieces, start, from, Some(to))?.stepping())
+        ]
+        .into_iter()
+        .map(|(ends, acceleration, from, to)| Piece {
+            ends: Moment::from_ticks(ends),
+            entry: Rates::new(from, acceleration),
+            exit: Rates::new(to, acceleration),
+        })
     }
 }

@@ -370,10 +370,16 @@ fn debug() {
         c.add(count(|| lasting(from, t, 2.0, &sb)));
         d.add(count(|| trapezoid::exact::to_rest(from, t, &bd)));
     }
-    a.report("s.change");
-    b.report("s.to_rest");
-    c.report("s.lasting");
-    d.report("t.to_rest");
+    a.report("s.change"); b.report("s.to_rest"); c.report("s.lasting"); d.report("t.to_rest");
+    let (x, y) = (black_box(1.2345f64), black_box(3.456f64));
+    report("add", count(|| black_box(x) + black_box(y)));
+    report("sub", count(|| black_box(x) - black_box(y)));
+    report("mul", count(|| black_box(x) * black_box(y)));
+    report("div", count(|| black_box(x) / black_box(y)));
+    report("cmp", count(|| black_box(x) < black_box(y)));
+    report("sqrt", count(|| black_box(x).abs()));
+    report("i2d", count(|| black_box(123456789012i64) as f64));
+    report("d2i", count(|| black_box(x) as i64));
     let limits = Limits::default();
     for p in [Profile::Beta, Profile::SCurve, Profile::Trapezoid] {
         let (mut a, mut b, mut c) = (Spread::new(), Spread::new(), Spread::new());
