@@ -154,7 +154,7 @@ pub fn continuous(segments: &Segments, scale: f64) -> Result<(), TestCaseError> 
         .map(|segment| segment.start);
     let last = segments.segments().last();
     let middle = last.map(|last| last.start + 0.5 * last.duration);
-    for time in starts.chain(middle) {
+    for time in starts.chain(middle).chain([segments.duration()]) {
         // The middle of the last piece is known to a rounding or two.
         let step = 4.0 * f64::EPSILON * time;
         let (before, after) = (segments.at(time - step), segments.at(time + step));
