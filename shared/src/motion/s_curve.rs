@@ -155,9 +155,9 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// distance less than that may ask for a whole loop.
 fn side(state: State, v1: f64, range: &Range) -> Side {
     let up = Upward::new(state, v1, -state.position, range);
-    let (direct, noise) = up.direct_reach();
-    let more = up.reach - direct;
-    if more.abs() <= noise + ROUNDING * range.farthest {
+    let direct = up.direct_reach();
+    let more = up.reach - direct.reach;
+    if more.abs() <= direct.noise + ROUNDING * range.farthest {
         Side::There(up)
     } else if more > 0.0 {
         Side::Above(up, 1.0)

@@ -62,18 +62,8 @@ impl Builder {
     /// makes, is left out.
     #[must_use]
     pub fn jerk(mut self, duration: f64, jerk: f64) -> Self {
-        if duration > 0.0 {
-            let entry = Sample { jerk, ..self.now };
-            let segment = Segment {
-                start: self.duration,
-                duration,
-                entry,
-            };
-            if self.segments.push(segment).is_ok() {
-                self.now = entry.after(duration);
-                self.duration += duration;
-            }
-        }
+        let entry = Sample { jerk, ..self.now };
+        self.lay(duration, entry, entry.after(duration));
         self
     }
 
@@ -87,16 +77,24 @@ impl Builder {
         self.jerk(duration, 0.0)
     }
 
-    /// Goes on for `duration` seconds from `entry`, at its jerk.
+    /// Goes on for `duration` seconds from `entry`, at its jerk and to `exit`.
     ///
-    /// For a planner that knows better than the sum of rounded pieces where a piece begins: entry
-    /// must be where the motion has come to but for rounding.
-    #[must_use]
-    pub fn from_entry(mut self, duration: f64, entry: Sample) -> Self {
+    /// For a planner that knows both ends of its pieces, perhaps better than the sum of rounded
+    /// pieces tells: the entry must be where the motion has come to but for rounding.
+    ///
+    /// A duration that is not positive, and a piece beyond [`MOST_SEGMENTS`], is left out.
+    pub fn lay(&mut self, duration: f64, entry: Sample, exit: Sample) {
         if duration > 0.0 {
-            self.now = entry;
+            let segment = Segment {
+                start: self.duration,
+                duration,
+                entry,
+            };
+            if self.segments.push(segment).is_ok() {
+                self.now = exit;
+                self.duration += duration;
+            }
         }
-        self.jerk(duration, entry.jerk)
     }
 
     /// The motion that has been laid so far ends with.

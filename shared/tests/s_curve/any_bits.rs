@@ -80,7 +80,7 @@ fn all(bounds: &SignedBounds, from: Sample, to: Sample, time: f64) -> Result<(),
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(30_000))]
+    #![proptest_config(ProptestConfig::with_cases(4_000))]
 
     #[test]
     fn any_bits_are_an_error_or_a_motion(

@@ -12,12 +12,12 @@ fn longer() -> impl Strategy<Value = f64> {
         Just(0.0),
         (-12.0..-1.0f64).prop_map(|power| 10f64.powf(power)),
         0.0..3.0f64,
-        3.0..1e3f64,
+        3.0..100.0f64,
     ]
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(20_000))]
+    #![proptest_config(ProptestConfig::with_cases(4_000))]
 
     #[test]
     fn keep_their_limits_and_end_exactly((bounds, from, to) in inside_case(), longer in longer()) {

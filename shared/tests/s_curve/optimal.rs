@@ -8,7 +8,7 @@ use canter_shared::motion::trajectory::{Sample, Trajectory};
 use proptest::prelude::*;
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(20_000))]
+    #![proptest_config(ProptestConfig::with_cases(4_000))]
 
     #[test]
     fn keep_their_limits_and_end_exactly((bounds, from, to) in inside_case()) {

@@ -27,7 +27,7 @@ fn negated(sample: Sample) -> Sample {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(20_000))]
+    #![proptest_config(ProptestConfig::with_cases(4_000))]
 
     /// To the bit: every formula is used for both directions.
     #[test]

@@ -40,14 +40,16 @@ fn number(row: &HashMap<String, String>, name: &str, otherwise: f64) -> f64 {
     }
 }
 
-fn planned(row: &HashMap<String, String>) -> Segments {
-    let get = |name| number(row, name, f64::NAN);
+/// The case with all lengths multiplied by `length`.
+fn planned(row: &HashMap<String, String>, length: f64) -> Segments {
+    let get = |name| length * number(row, name, f64::NAN);
     let (fastest, strongest) = (get("v_max"), get("a_max"));
+    let below = |name, above: f64| -(length * number(row, name, -above / length)).abs();
     let bounds = SignedBounds::new(
         fastest,
-        number(row, "v_min", -fastest),
+        below("v_min", fastest),
         strongest,
-        number(row, "a_min", -strongest),
+        below("a_min", strongest),
         get("j_max"),
     )
     .expect("valid limits");
@@ -68,7 +70,7 @@ fn cases() -> HashMap<String, Segments> {
     let cases: HashMap<_, _> = rows("ruckig_cases.csv")
         .iter()
         .filter(|row| row["kind"] != "trap_nojerk")
-        .map(|row| (row["case"].clone(), planned(row)))
+        .map(|row| (row["case"].clone(), planned(row, 1.0)))
         .collect();
     assert_eq!(cases.len(), 170);
     cases
@@ -84,6 +86,22 @@ fn durations_are_equal() {
         let want = number(&row, "duration", f64::NAN);
         let error = (curve.duration() - want) / want;
         assert!(error.abs() <= 1e-12, "{row:?}: {error}");
+    }
+}
+
+/// From 1e-11 to 1e9 times as long.
+#[test]
+fn durations_do_not_depend_on_the_unit_of_length() {
+    let cases = cases();
+    for row in rows("ruckig_cases.csv") {
+        let Some(curve) = cases.get(&row["case"]) else {
+            continue;
+        };
+        for power in [-36, -20, 20, 30] {
+            let other = planned(&row, 2f64.powi(power)).duration();
+            let error = (other - curve.duration()) / curve.duration();
+            assert!(error.abs() <= 1e-12, "{row:?}: {error}");
+        }
     }
 }
 

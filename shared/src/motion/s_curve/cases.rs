@@ -97,12 +97,13 @@ impl Upward {
     pub fn free(&self, low: f64, high: f64) -> Lobes {
         let (sum, gain, reach) = (self.sum(), self.gain(), self.reach);
         let curve = |s: f64| {
-            let ratio = gain / s;
+            let inverse = 1.0 / s;
+            let ratio = gain * inverse;
             let (s2, ratio2) = (s * s, ratio * ratio);
             Curve {
                 value: s * (s2 / 4.0 + sum - ratio2 / 4.0) - reach,
                 slope: 0.75 * s2 + sum + ratio2 / 4.0,
-                curvature: (1.5 * s2 - ratio2 / 2.0) / s,
+                curvature: (1.5 * s2 - ratio2 / 2.0) * inverse,
             }
         };
         let guess = self.guess(low, &curve);
@@ -189,11 +190,19 @@ impl Upward {
 /// Where (x^2 (x + limit)^2 + 2 velocity x (x + 2 limit)) / (2 limit) is `rest`, between `low` and
 /// `high`.
 fn held_root(limit: f64, velocity: f64, rest: f64, low: f64, high: f64) -> f64 {
-    if velocity == 0.0 && low >= 0.0 {
-        // A quadratic in x (x + limit), and one more in x.
+    // Without the velocity it is a quadratic in x (x + limit), and that one more in x.
+    let mut guess = high;
+    if low >= 0.0 {
         let product = libm::sqrt((2.0 * limit * rest).max(0.0));
         let x = 2.0 * product / (limit + libm::sqrt(limit * limit + 4.0 * product));
-        return x.max(low).min(high);
+        if velocity == 0.0 {
+            return x.max(low).min(high);
+        }
+        guess = if velocity > 0.0 {
+            x.min(rest / (2.0 * velocity))
+        } else {
+            x
+        };
     }
     let curve = |x: f64| {
         let with = x + limit;
@@ -204,5 +213,5 @@ fn held_root(limit: f64, velocity: f64, rest: f64, low: f64, high: f64) -> f64 {
             curvature: (6.0 * square + limit * limit) + 2.0 * velocity,
         }
     };
-    root(low, high, high, SMOOTH, curve)
+    root(low, high, guess, SMOOTH, curve)
 }

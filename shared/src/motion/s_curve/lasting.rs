@@ -14,7 +14,7 @@
 //! motions that keep the limits keeps them too.
 
 use super::brake::brake;
-use super::lobes::{Lobes, change_peak, change_time};
+use super::lobes::{Lobes, Triangle, change_peak, change_time};
 use super::root::{CORNERED, Curve, root};
 use super::unit::{Piece, Pieces, Range, State};
 use super::upward::Upward;
@@ -89,7 +89,7 @@ struct Slower {
 impl Slower {
     /// What is left of the time for a cruise at `velocity`.
     fn cruise(&self, velocity: f64) -> f64 {
-        let change = self.up.to_velocity(velocity).direct().duration(self.up.a0);
+        let change = self.up.towards(velocity).direct().duration(self.up.a0);
         self.time - change - change_time(velocity, self.up.range.fall)
     }
 
@@ -104,7 +104,7 @@ impl Slower {
         } = self.up;
         let curve = |velocity: f64| {
             let stop = Triangle::new(velocity, range.fall);
-            let (change, turn, sign) = if self.up.to_velocity(velocity).rises() {
+            let (change, turn, sign) = if self.up.towards(velocity).rises() {
                 (Triangle::new(velocity - begin, range.rise), a0, -1.0)
             } else {
                 let top = begin + a0 * a0;
@@ -140,7 +140,7 @@ impl Slower {
     /// Lays the motion that cruises at `velocity`.
     fn lay(&self, velocity: f64, sign: f64, pieces: &mut Pieces) {
         self.up
-            .to_velocity(velocity)
+            .towards(velocity)
             .direct()
             .lay(self.up.a0, sign, pieces);
         pieces.push(Piece::cruise(self.cruise(velocity), sign * velocity));
@@ -180,33 +180,6 @@ impl Slower {
             left -= duration;
             if near.ended() && far.ended() {
                 break;
-            }
-        }
-    }
-}
-
-/// The area h(w) between the time and a change of velocity by w, and its derivatives.
-struct Triangle {
-    area: f64,
-    slope: f64,
-    curvature: f64,
-}
-
-impl Triangle {
-    fn new(change: f64, limit: f64) -> Self {
-        let change = change.max(0.0);
-        if change >= limit * limit {
-            Self {
-                area: change / 2.0 * (limit + change / limit),
-                slope: limit / 2.0 + change / limit,
-                curvature: 1.0 / limit,
-            }
-        } else {
-            let peak = libm::sqrt(change);
-            Self {
-                area: change * peak,
-                slope: 1.5 * peak,
-                curvature: if peak > 0.0 { 0.75 / peak } else { 0.0 },
             }
         }
     }

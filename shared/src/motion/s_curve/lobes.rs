@@ -69,3 +69,31 @@ pub(super) fn change_peak(change: f64, limit: f64) -> (f64, f64) {
         (libm::sqrt(change.max(0.0)), 0.0)
     }
 }
+
+/// h(w) = w t(w) / 2, where t(w) is the time of a change of velocity by w, and its derivatives:
+/// the way of a stop from w.
+pub(super) struct Triangle {
+    pub area: f64,
+    pub slope: f64,
+    pub curvature: f64,
+}
+
+impl Triangle {
+    pub fn new(change: f64, limit: f64) -> Self {
+        let change = change.max(0.0);
+        if change >= limit * limit {
+            Self {
+                area: change / 2.0 * (limit + change / limit),
+                slope: limit / 2.0 + change / limit,
+                curvature: 1.0 / limit,
+            }
+        } else {
+            let peak = libm::sqrt(change);
+            Self {
+                area: change * peak,
+                slope: 1.5 * peak,
+                curvature: if peak > 0.0 { 0.75 / peak } else { 0.0 },
+            }
+        }
+    }
+}

@@ -1,7 +1,7 @@
 //! To rest at a target, and down to the velocity limit without passing it.
 
 use super::brake::brake;
-use super::lobes::{Lobes, change_peak, change_time};
+use super::lobes::{Lobes, Triangle, change_peak, change_time};
 use super::root::{CORNERED, Curve, root};
 use super::unit::{Piece, Pieces, Range, State};
 use super::upward::Upward;
@@ -71,11 +71,11 @@ fn without_dip(start: State, sign: f64, range: &Range) -> Option<Pieces> {
 fn two_steps(up: &Upward) -> Option<f64> {
     let range = up.range;
     let curve = |velocity: f64| {
-        let stop = velocity / 2.0 * change_time(velocity, range.fall);
+        let first = up.towards(velocity).direct_reach();
+        let stop = Triangle::new(velocity, range.fall);
         Curve {
-            value: up.to_velocity(velocity).direct_reach().0 + stop - up.reach,
-            // Halving is enough here: such a start is rare.
-            slope: 0.0,
+            value: first.reach + stop.area - up.reach,
+            slope: first.slope + stop.slope,
             curvature: 0.0,
         }
     };

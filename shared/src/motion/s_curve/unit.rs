@@ -39,16 +39,22 @@ impl State {
     /// What comes of it after `piece`.
     pub fn after(self, piece: Piece) -> Self {
         let Piece { duration, jerk, .. } = piece;
-        let Self {
+        let from = Sample {
+            position: self.position,
+            velocity: self.velocity,
+            acceleration: self.acceleration,
+            jerk,
+        };
+        let Sample {
             position,
             velocity,
             acceleration,
-        } = self;
+            ..
+        } = from.after(duration);
         Self {
-            position: position
-                + duration * (velocity + duration * (acceleration / 2.0 + duration * jerk / 6.0)),
-            velocity: velocity + duration * (acceleration + duration * jerk / 2.0),
-            acceleration: acceleration + duration * jerk,
+            position,
+            velocity,
+            acceleration,
         }
     }
 }
@@ -186,24 +192,25 @@ impl Pieces {
             .split_at_checked(cruise.map_or(self.0.len(), |cruise| cruise + 1))
             .unwrap_or((&self.0, &[]));
         for piece in before {
-            builder = scale.lay(builder, piece);
+            scale.lay(&mut builder, piece);
         }
-        let mut entries: Vec<(f64, Sample), MOST_SEGMENTS> = Vec::new();
+        let mut laid: Vec<(f64, Sample, Sample), MOST_SEGMENTS> = Vec::new();
         let mut exit = Sample {
             acceleration: 0.0,
             ..end
         };
         for piece in after.iter().rev() {
-            exit.jerk = piece.jerk * jerk;
             let duration = piece.duration * scale.slow;
-            exit = Sample {
+            exit.jerk = piece.jerk * jerk;
+            let entry = Sample {
                 acceleration: piece.acceleration,
                 ..exit.after(-duration)
             };
-            let _full = entries.push((duration, exit));
+            let _full = laid.push((duration, entry, exit));
+            exit = entry;
         }
-        for (duration, entry) in entries.iter().rev() {
-            builder = builder.from_entry(*duration, *entry);
+        for (duration, entry, exit) in laid.iter().rev() {
+            builder.lay(*duration, *entry, *exit);
         }
         builder.end_smoothly(end.position, end.velocity)
     }
@@ -211,9 +218,10 @@ impl Pieces {
     /// Lays them from `start` to wherever they lead with this velocity.
     pub fn lead(&self, start: Sample, velocity: f64, jerk: f64) -> Segments {
         let scale = Scale::new(jerk);
-        let builder = self.0.iter().fold(Builder::new(start), |builder, piece| {
-            scale.lay(builder, piece)
-        });
+        let mut builder = Builder::new(start);
+        for piece in &self.0 {
+            scale.lay(&mut builder, piece);
+        }
         let position = builder.now().position;
         builder.end_smoothly(position, velocity)
     }
@@ -234,16 +242,23 @@ impl Scale {
         }
     }
 
-    fn lay(&self, builder: Builder, piece: &Piece) -> Builder {
+    fn lay(&self, builder: &mut Builder, piece: &Piece) {
         let now = builder.now();
+        let duration = piece.duration * self.slow;
+        let velocity = piece.cruise.map(|velocity| velocity * self.slow);
         let entry = Sample {
             position: now.position,
-            velocity: piece
-                .cruise
-                .map_or(now.velocity, |velocity| velocity * self.slow),
+            velocity: velocity.unwrap_or(now.velocity),
             acceleration: piece.acceleration,
             jerk: piece.jerk * self.jerk,
         };
-        builder.from_entry(piece.duration * self.slow, entry)
+        let exit = match velocity {
+            Some(velocity) => Sample {
+                position: entry.position + duration * velocity,
+                ..entry
+            },
+            None => entry.after(duration),
+        };
+        builder.lay(duration, entry, exit);
     }
 }

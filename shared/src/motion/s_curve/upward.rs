@@ -46,6 +46,16 @@ pub(super) struct Upward {
     noise: f64,
 }
 
+/// How far the quickest change of velocity gets.
+pub(super) struct Direct {
+    /// R.
+    pub reach: f64,
+    /// By how much it grows with the velocity at the end.
+    pub slope: f64,
+    /// How much of it may be rounding.
+    pub noise: f64,
+}
+
 impl Upward {
     pub fn new(state: State, v1: f64, distance: f64, range: &Range) -> Self {
         let State {
@@ -76,7 +86,7 @@ impl Upward {
     }
 
     /// From the same start to another velocity.
-    pub fn to_velocity(&self, v1: f64) -> Self {
+    pub fn towards(&self, v1: f64) -> Self {
         Self::change(self.a0, self.begin, v1, &self.range)
     }
 
@@ -102,33 +112,42 @@ impl Upward {
         self.gain >= raised * raised - self.noise
     }
 
-    /// R of the quickest change of velocity, and how much of it may be rounding.
-    pub fn direct_reach(&self) -> (f64, f64) {
+    /// How far the quickest change of velocity gets.
+    pub fn direct_reach(&self) -> Direct {
         let Self { a0, begin, v1, .. } = *self;
         let v0 = begin + a0 * a0 / 2.0;
-        let (limit, time, reach) = if self.rises() {
-            let time = change_time(self.gain, self.range.rise);
-            (self.range.rise, time, self.sum() / 2.0 * time)
+        let rises = self.rises();
+        // Where it falls it is the same upside down, from the other release of the acceleration.
+        let (from, change, limit) = if rises {
+            (begin, self.gain, self.range.rise)
         } else {
-            // The same upside down, where it rises.
-            let top = begin + a0 * a0;
-            let time = change_time(a0 * a0 - self.gain, self.range.fall);
-            (
-                self.range.fall,
-                time,
-                2.0 * v0 * a0 + (top + v1) / 2.0 * time,
-            )
+            let square = a0 * a0;
+            (begin + square, square - self.gain, self.range.fall)
         };
-        // K is known to its noise, and the time in proportion to the lobe: 1 / limit where it
-        // is held, otherwise 1 / peak = 2 / time. The smaller a lobe, the more rounding it shows.
-        let doubt = if time > 0.0 {
-            self.noise * (2.0 / time).max(1.0 / limit)
+        let time = change_time(change, limit);
+        // By how much the time grows with the change: 1 / limit where that is held, otherwise
+        // 1 / peak.
+        let rate = if change >= limit * limit {
+            1.0 / limit
+        } else if time > 0.0 {
+            2.0 / time
         } else {
             0.0
         };
+        let (released, sign) = if rises {
+            (0.0, 1.0)
+        } else {
+            (2.0 * v0 * a0, -1.0)
+        };
+        let mean = (from + v1) / 2.0;
+        let reach = released + mean * time;
         let terms = (v0 * a0).abs() + reach.abs() + self.reach.abs();
-        let noise = ROUNDING * terms + doubt * (v0.abs() + v1.abs());
-        (reach, noise)
+        Direct {
+            reach,
+            slope: time / 2.0 + sign * mean * rate,
+            // K is known to its noise: the smaller a lobe, the more of that it shows.
+            noise: ROUNDING * terms + self.noise * rate * (v0.abs() + v1.abs()),
+        }
     }
 
     /// The quickest change of velocity.
