@@ -168,18 +168,16 @@ impl Trajectory for Segments {
         if let (0.0, Some(first)) = (time, self.segments.first()) {
             return first.entry;
         }
-        // The first whose successor has not begun; a NaN finds the last.
-        let last = self.segments.len().saturating_sub(1);
-        for (index, segment) in self.segments.iter().enumerate() {
-            if index == last {
-                break;
+        // Those that have begun are counted, which takes no guess at which one it will be; a NaN
+        // finds the first.
+        let after = self.segments.iter().skip(1);
+        let begun = after.filter(|segment| time >= segment.start).count();
+        match self.segments.get(begun) {
+            Some(segment) if begun + 1 < self.segments.len() => {
+                segment.entry.after(time - segment.start)
             }
-            let elapsed = time - segment.start;
-            if elapsed < segment.duration {
-                return segment.entry.after(elapsed);
-            }
+            _ => self.last.after(time - self.duration),
         }
-        self.last.after(time - self.duration)
     }
 
     fn peaks(&self) -> Peaks {
