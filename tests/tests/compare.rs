@@ -78,17 +78,17 @@ fn it_chooses_the_fastest_that_is_calm() {
         (
             8.0,
             "s-curve",
-            "the fastest that leaves at most 1 % of the way",
+            "the fastest that keeps every limit and leaves at most 1 % of the way",
         ),
         (
             5.3,
             "s-curve",
-            "the fastest that leaves at most 1 % of the way",
+            "the fastest that keeps every limit and leaves at most 1 % of the way",
         ),
         (
             2.7,
             "s-curve + ZV",
-            "the fastest that leaves at most 1 % of the way",
+            "the fastest that keeps every limit and leaves at most 1 % of the way",
         ),
         (0.5, "septic", "it leaves the least"),
     ] {

@@ -227,8 +227,13 @@ fn choose(rows: &[Row], question: &Question) -> (usize, String) {
     };
     let calm = eligible().filter(|(_, row)| share(row) <= CALM);
     if let Some((at, row)) = least(calm, |row| row.duration) {
+        let limits = if limits_jerk {
+            "keeps every limit and "
+        } else {
+            ""
+        };
         let advice = format!(
-            "Choose the {}: the fastest that leaves at most {} % of the way swinging ({}).",
+            "Choose the {}: the fastest that {limits}leaves at most {} % of the way swinging ({}).",
             row.name(),
             CALM * 100.0,
             percent(row)
