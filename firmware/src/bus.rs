@@ -15,6 +15,8 @@ pub struct Signals {
     pub(crate) transmit: Signal<CriticalSectionRawMutex, ()>,
     /// For the 1 kHz task: the next tick has moved.
     pub(crate) retimed: Signal<CriticalSectionRawMutex, ()>,
+    /// For the planning task: there is something to plan.
+    pub(crate) plan: Signal<CriticalSectionRawMutex, ()>,
 }
 
 impl Signals {
@@ -23,6 +25,7 @@ impl Signals {
         Self {
             transmit: Signal::new(),
             retimed: Signal::new(),
+            plan: Signal::new(),
         }
     }
 }
@@ -31,14 +34,17 @@ impl Signals {
 pub async fn receive(node: &SharedNode, signals: &Signals, mut port: impl CanReceive) -> ! {
     loop {
         let received = port.receive().await;
-        let retimed = node.lock(|node| {
+        let (retimed, plans) = node.lock(|node| {
             let mut node = node.borrow_mut();
             let before = node.next_tick();
             node.handle_frame(received.at, &received.frame);
-            node.next_tick() != before
+            (node.next_tick() != before, node.has_plan())
         });
         if retimed {
             signals.retimed.signal(());
+        }
+        if plans {
+            signals.plan.signal(());
         }
         signals.transmit.signal(());
     }

@@ -9,6 +9,7 @@
 //! | [`node`] | the node that the tasks share, and the lock around it |
 //! | [`control`] | the 1 kHz task |
 //! | [`bus`] | the receive and the transmit task |
+//! | [`planning`] | the planning task |
 //! | [`priority`] | who may interrupt whom |
 //!
 //! A board is one file in `src/bin/`: clocks, pins, interrupts, and thin `#[task]` wrappers,
@@ -28,6 +29,7 @@ pub mod control;
 #[cfg(feature = "emulated")]
 pub mod emulated;
 pub mod node;
+pub mod planning;
 pub mod port;
 pub mod priority;
 

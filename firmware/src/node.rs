@@ -50,13 +50,11 @@ const fn number(text: &str) -> u8 {
 /// The node behind its lock.
 ///
 /// Whoever holds the lock holds off the 1 kHz task, but neither the CAN interrupt nor the time
-/// driver, so frames are still taken and stamped. The longest holder is `handle_frame` when it
-/// plans a move over one that is under way: up to 70 000 instructions for an axis
-/// (`tests/run target` counts them), which at 170 MHz and about 1.3 cycles each are 0.5 ms, and
-/// 1.6 ms where one trigger does it to all three axes. By so much a tick may be late, and the next
-/// then follows at once. A setpoint is evaluated for its tick, not for the instant of the call, so
-/// this is jitter on the drive port and never a wrong position. It is accepted for now; planning
-/// outside of the lock would end it.
+/// driver, so frames are still taken and stamped. Nobody holds it for long: motion is planned
+/// outside of it (`planning`), and what is done inside is counted by `tests/run target`: at most
+/// 2000 instructions for a frame to one axis and 4000 to copy a motion out or in, 30 us at 170 MHz
+/// and about 1.3 cycles each. By so much a tick may be late, which is jitter on the drive port and
+/// never a wrong position: a setpoint is evaluated for its tick, not for the instant of the call.
 pub type SharedNode = Mutex<CeilingMutex, RefCell<Node<Simulated, AXES>>>;
 
 /// A node with simulated drives, all axes at position zero and disabled.
@@ -80,13 +78,13 @@ pub fn new(chip: [u8; 12], board: Board) -> SharedNode {
 /// A lock that raises the processor's priority to the 1 kHz task's while it is held.
 ///
 /// A critical section would do too, but it would also hold off the CAN interrupt: a SYNC that
-/// comes while a move is planned would be stamped late and bend the clock's discipline.
+/// comes meanwhile would be stamped late and bend the clock's discipline.
 #[derive(Debug)]
 pub struct CeilingMutex(());
 
 // SAFETY: the lock excludes whoever runs at or below the ceiling, and nobody above it takes it:
-// only `control::run` (at the ceiling) and `bus::receive` and `bus::transmit` (below it) do, at the
-// priorities of `crate::priority`. A nested lock keeps the ceiling until the outer one ends.
+// only `control::run` (at the ceiling) and `bus::receive`, `bus::transmit` and `planning::run`
+// (below it) do, at the priorities of `crate::priority`. A nested lock keeps the ceiling until the outer one ends.
 unsafe impl RawMutex for CeilingMutex {
     const INIT: Self = Self(());
 

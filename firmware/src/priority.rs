@@ -6,7 +6,8 @@
 //! | 1 | the CAN interrupt | about 1 us for each frame |
 //! | 2 | takes a frame out of the hardware and notes the time | about 2 us for each frame |
 //! | 4 | the 1 kHz task | one tick |
-//! | 8 | receive task, transmit task: everything that thinks about frames | as long as it takes |
+//! | 8 | receive task, transmit task | 2000 instructions for each frame and axis |
+//! | 12 | planning task: works out changes of motion | up to 0.6 ms for each axis |
 //! | thread | sleeps | |
 //!
 //! What stands above the 1 kHz task is bounded by the bus: 1 Mbit/s carries at most one frame in
@@ -24,6 +25,9 @@ pub const CONTROL: u8 = 4;
 
 /// The executor of the receive and the transmit task.
 pub const BUS: u8 = 8;
+
+/// The executor of the planning task: below all that must not wait.
+pub const PLANNING: u8 = 12;
 
 /// The priority as the NVIC's registers and BASEPRI take it: in the upper 4 of 8 bits.
 pub const fn register(priority: u8) -> u8 {

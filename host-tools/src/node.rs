@@ -7,6 +7,7 @@ pub use trace::{Trace, TraceError};
 use crate::bus::{Bus, BusError, ErrorEvent, Event};
 use crate::robot::Robot;
 use canter_shared::drive::simulated::Simulated;
+use canter_shared::motion::shaping::ShapingError;
 use canter_shared::node::{Board, BusEvent, Identity, Node, NodeError};
 use canter_shared::time::{BusTime, LocalTime};
 use canter_shared::units::Position;
@@ -27,6 +28,9 @@ pub enum HostNodeError {
     /// The axes cannot be what was asked for.
     #[error(transparent)]
     Node(#[from] NodeError),
+    /// An axis's setpoints cannot be shaped as the robot file says.
+    #[error(transparent)]
+    Shaper(#[from] ShapingError),
     /// The trace cannot be written.
     #[error(transparent)]
     Trace(#[from] TraceError),
@@ -77,6 +81,7 @@ pub fn run(
     for axis in axes {
         let drive = Simulated::new(Position::ZERO);
         node.add_axis(*axis, robot.limits(*axis), drive)?;
+        node.shape(*axis, robot.shaping(*axis))?;
     }
     let mut summary = Summary::default();
     while !stop.load(Ordering::Relaxed) {
@@ -90,7 +95,10 @@ pub fn run(
             };
             let at = LocalTime(received.time.0);
             match received.event {
-                Event::Frame(frame) => node.handle_frame(at, &frame),
+                Event::Frame(frame) => {
+                    node.handle_frame(at, &frame);
+                    node.plan();
+                }
                 Event::Error(error) => count(&mut node, &error),
             }
             // What else is there is taken at once, then answered.
@@ -125,6 +133,7 @@ fn run_due_ticks(
         if let Some(trace) = trace {
             trace.write(setpoints)?;
         }
+        node.plan();
     }
 }
 

@@ -10,9 +10,14 @@
 //! jerk = 10000.0         # rad/s^3
 //! position_min = -1.6    # rad
 //! position_max = 1.6     # rad
+//! [axis.shaper]          # where the machine swings; without it nothing is shaped
+//! kind = "zvd"           # zv, zvd or ei
+//! frequency = 12.0       # Hz
+//! damping = 0.02         # ratio; 0 where it is left out
 //! ```
 
 use canter_shared::limits::{DEFAULT_VALUES, LimitError, LimitValues, Limits};
+use canter_shared::motion::shaping::{ShaperKind, Shaping, ShapingError};
 use canter_shared::wire::id::{AxisId, LAST_AXIS};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -27,6 +32,8 @@ pub struct RobotAxis {
     pub id: AxisId,
     /// What it may do.
     pub limits: Limits,
+    /// What its setpoints are shaped for.
+    pub shaping: Option<Shaping>,
 }
 
 /// A robot: its axes in the order of the file.
@@ -68,6 +75,16 @@ pub enum RobotError {
         /// The file.
         path: PathBuf,
     },
+    /// A shaper is not possible.
+    #[error("the robot file {path}, axis {id}: {source}")]
+    Shaper {
+        /// The file.
+        path: PathBuf,
+        /// The axis.
+        id: u8,
+        /// Which value, and its range.
+        source: ShapingError,
+    },
     /// A limit is out of range.
     #[error("the robot file {path}, axis {id}: {source}")]
     Limit {
@@ -93,6 +110,35 @@ struct FileAxis {
     id: u8,
     #[serde(default)]
     limits: FileLimits,
+    shaper: Option<FileShaper>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FileShaper {
+    kind: FileShaperKind,
+    frequency: f64,
+    #[serde(default)]
+    damping: f64,
+}
+
+#[derive(Deserialize, Clone, Copy)]
+#[serde(rename_all = "lowercase")]
+enum FileShaperKind {
+    Zv,
+    Zvd,
+    Ei,
+}
+
+impl FileShaper {
+    fn shaping(&self) -> Result<Shaping, ShapingError> {
+        let kind = match self.kind {
+            FileShaperKind::Zv => ShaperKind::Zv,
+            FileShaperKind::Zvd => ShaperKind::Zvd,
+            FileShaperKind::Ei => ShaperKind::Ei,
+        };
+        Shaping::new(kind, self.frequency, self.damping)
+    }
 }
 
 #[derive(Deserialize, Default)]
@@ -143,7 +189,12 @@ impl Robot {
             return Err(RobotError::Empty { path: path() });
         }
         let mut axes: Vec<RobotAxis> = Vec::new();
-        for FileAxis { id: number, limits } in &file.axis {
+        for FileAxis {
+            id: number,
+            limits,
+            shaper,
+        } in &file.axis
+        {
             let id = AxisId::new(*number)
                 .filter(|id| axes.iter().all(|axis| axis.id != *id))
                 .ok_or_else(|| RobotError::Axis {
@@ -155,7 +206,20 @@ impl Robot {
                 id: *number,
                 source,
             })?;
-            axes.push(RobotAxis { id, limits });
+            let shaping = shaper
+                .as_ref()
+                .map(FileShaper::shaping)
+                .transpose()
+                .map_err(|source| RobotError::Shaper {
+                    path: path(),
+                    id: *number,
+                    source,
+                })?;
+            axes.push(RobotAxis {
+                id,
+                limits,
+                shaping,
+            });
         }
         Ok(Self { axes })
     }
@@ -165,12 +229,19 @@ impl Robot {
         &self.axes
     }
 
+    fn axis(&self, id: AxisId) -> Option<&RobotAxis> {
+        self.axes.iter().find(|axis| axis.id == id)
+    }
+
     /// What an axis may do: the defaults where the robot does not name it.
     pub fn limits(&self, id: AxisId) -> Limits {
-        self.axes
-            .iter()
-            .find(|axis| axis.id == id)
+        self.axis(id)
             .map_or_else(Limits::default, |axis| axis.limits)
+    }
+
+    /// What an axis's setpoints are shaped for, if anything.
+    pub fn shaping(&self, id: AxisId) -> Option<&Shaping> {
+        self.axis(id)?.shaping.as_ref()
     }
 }
 
@@ -182,6 +253,7 @@ impl Default for Robot {
             .map(|id| RobotAxis {
                 id,
                 limits: Limits::default(),
+                shaping: None,
             })
             .collect();
         Self { axes }
@@ -214,6 +286,14 @@ mod tests {
             (
                 "[[axis]]\nid = 1\n[axis.limits]\njerk = -1.0\n",
                 "limits.jerk",
+            ),
+            (
+                "[[axis]]\nid = 1\n[axis.shaper]\nkind = \"zvx\"\nfrequency = 9.0\n",
+                "zvx",
+            ),
+            (
+                "[[axis]]\nid = 1\n[axis.shaper]\nkind = \"zvd\"\nfrequency = 0.1\n",
+                "ZVD shaper frequency",
             ),
             (
                 "[[axis]]\nid = 1\n[axis.limits]\nvelocity = nan\n",

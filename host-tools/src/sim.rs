@@ -28,13 +28,11 @@ mod tests;
 
 use std::collections::VecDeque;
 
-use canter_shared::limits::Limits;
 use canter_shared::time::BusTime;
 use canter_shared::wire::frame::Frame;
-use canter_shared::wire::id::AxisId;
 
 use crate::bus::{Bitrate, Bus, BusError, Event, Received};
-use crate::robot::Robot;
+use crate::robot::{Robot, RobotAxis};
 pub use clock::TrueTime;
 use device::Device;
 pub use medium::{Load, Sender, Transmission};
@@ -51,7 +49,7 @@ const HOST_QUEUE: usize = 10;
 pub struct Configuration {
     /// One node for each axis, in this order. An axis that is named twice gives two nodes that
     /// do not know of each other, as on a bus that was set up wrongly.
-    pub axes: Vec<(AxisId, Limits)>,
+    pub axes: Vec<RobotAxis>,
     /// Where all chance comes from: crystals, receivers' delays, chip ids, ties.
     pub seed: u64,
     /// The bus's bit rate.
@@ -66,9 +64,8 @@ impl Configuration {
     /// The axes of `robot` on a bus of 1 Mbit/s: seed 1, crystals of +-100 ppm, receivers late by
     /// up to 20 us.
     pub fn of(robot: &Robot) -> Self {
-        let axes = robot.axes().iter();
         Self {
-            axes: axes.map(|axis| (axis.id, axis.limits)).collect(),
+            axes: robot.axes().to_vec(),
             seed: 1,
             bitrate: Bitrate::default(),
             crystal_ppm: 100,
@@ -104,9 +101,7 @@ impl SimulatedBus {
         let devices = configuration
             .axes
             .iter()
-            .map(|(axis, limits)| {
-                Device::new(*axis, *limits, configuration.crystal_ppm, &mut random)
-            })
+            .map(|axis| Device::new(axis, configuration.crystal_ppm, &mut random))
             .collect();
         Self {
             now: TrueTime::default(),

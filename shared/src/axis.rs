@@ -7,25 +7,35 @@
 //!
 //! The axis is sans-IO. Its owner calls `handle_frame` and `handle_drive` when something arrives,
 //! `tick` exactly once for each tick, and `poll_transmit` until there is nothing left to send.
+//! Each of these is quick. Motion is planned apart from them, see `planning`: after each the owner
+//! sees to it that what waits is planned, before it goes on (`plan`) or at a lower priority
+//! (`take_plan`, `commit`).
 //!
 //! | file | what it holds |
 //! |---|---|
 //! | `command` | what each command does, and its answer |
 //! | `commander` | who holds the axis |
+//! | `prepared` | what is told ahead of a move |
+//! | `planning` | changes of motion: decided, planned, committed |
+//! | `course` | the motion under way, and the one that takes over |
 //! | `supervision` | drive and host watched; the state machine |
 //! | `state`, `fault` | their tables |
 //! | `telemetry` | what is sent, and when |
 
 mod command;
 mod commander;
+mod course;
 pub mod fault;
+mod planning;
+mod prepared;
 pub mod state;
 mod supervision;
 mod telemetry;
 
 use crate::drive::{Condition, DriveCommand, DriveReport};
 use crate::limits::Limits;
-use crate::motion::{Motion, Move, Setpoint};
+use crate::motion::shaping::{Shaper, Shaping, ShapingError};
+use crate::motion::{Move, Setpoint};
 use crate::time::{BusTime, Tick, Ticks};
 use crate::units::Position;
 use crate::wire::command::Session;
@@ -34,7 +44,11 @@ use crate::wire::id::AxisId;
 use crate::wire::reason::Reason;
 use crate::wire::report::Report;
 use commander::Commander;
+use course::Course;
 use fault::Fault;
+use planning::Planning;
+pub use planning::{FinishedPlan, Plan};
+use prepared::Prepared;
 use state::State;
 pub use telemetry::Counters;
 use telemetry::{Due, Telemetry};
@@ -50,9 +64,11 @@ pub enum Outcome {
     Ignored,
     /// It was taken; an answer is waiting where the command has one.
     Accepted,
+    /// A move is to be planned: whether it is taken will be answered then.
+    Planning,
     /// It was refused; the answer with the reason is waiting.
     Rejected(Reason),
-    /// It was a repetition; the first answer is waiting again.
+    /// It was a repetition; the first answer is waiting again, or still to come.
     Repeated,
 }
 
@@ -68,6 +84,15 @@ enum Request {
 struct Staged {
     sequence: u8,
     asked: Move,
+    prepared: Prepared,
+}
+
+/// What a repetition is answered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Reply {
+    Given(Report),
+    /// Nothing yet: the answer comes when the job of this number is done.
+    Waits(u32),
 }
 
 /// A move whose start is still to be reported.
@@ -87,7 +112,8 @@ pub struct Axis {
     /// When the state was entered.
     since: Tick,
     request: Option<Request>,
-    motion: Motion,
+    course: Course,
+    planning: Planning,
     setpoint: Setpoint,
     /// The tick of the setpoint above, and the bus time at which it was handed over.
     tick: Tick,
@@ -95,11 +121,12 @@ pub struct Axis {
     drive: Option<DriveReport>,
     commander: Commander,
     staged: Option<Staged>,
-    /// Ramps for the next trapezoid: acceleration, deceleration.
-    shape: Option<(Ticks, Ticks)>,
+    prepared: Prepared,
+    /// The setpoints of the course go through it.
+    shaper: Shaper,
     departure: Option<Departure>,
-    last_command: Option<(Frame, Report)>,
-    last_trigger: Option<(Frame, Report)>,
+    last_command: Option<(Frame, Reply)>,
+    last_trigger: Option<(Frame, Reply)>,
     telemetry: Telemetry,
     counters: Counters,
 }
@@ -114,14 +141,16 @@ impl Axis {
             fault: None,
             since: Tick(0),
             request: None,
-            motion: Motion::at_rest(Position::ZERO),
+            course: Course::at_rest(Position::ZERO),
+            planning: Planning::default(),
             setpoint: Setpoint::default(),
             tick: Tick(0),
             handed_over: BusTime(0),
             drive: None,
             commander: Commander::default(),
             staged: None,
-            shape: None,
+            prepared: Prepared::default(),
+            shaper: Shaper::none(),
             departure: None,
             last_command: None,
             last_trigger: None,
@@ -162,7 +191,31 @@ impl Axis {
 
     /// Whether the setpoint changes, or will without another command.
     pub fn is_moving(&self) -> bool {
-        self.motion.is_moving(self.tick)
+        self.planning.is_about_to_move()
+            || self.course.is_moving(self.tick)
+            || !self.shaper.is_settled()
+    }
+
+    /// Shapes the setpoints for a mode of the machine from now on, or no longer. Moves and stops
+    /// then arrive later, by the shaper's delay.
+    ///
+    /// # Errors
+    /// [`ShapingError::Moving`] unless the axis is at rest and nothing is about to move it.
+    pub fn shape(&mut self, shaping: Option<&Shaping>) -> Result<(), ShapingError> {
+        if self.is_moving() {
+            return Err(ShapingError::Moving);
+        }
+        self.shaper.change(shaping)
+    }
+
+    /// The limits to plan inside. A shaped setpoint is a mean of several, some of which may speed
+    /// up while others slow down: then one limit of acceleration must do for both.
+    fn planning_limits(&self) -> Limits {
+        if self.shaper.delay() > Ticks(0) {
+            self.limits.symmetric()
+        } else {
+            self.limits
+        }
     }
 
     /// Takes what the drive said.
@@ -174,12 +227,13 @@ impl Axis {
     pub fn tick(&mut self, tick: Tick, now: BusTime) -> Setpoint {
         self.tick = tick;
         self.handed_over = now;
+        self.follow_course();
         self.supervise();
         if self.state.drives() {
-            self.setpoint = self.motion.at(tick);
-            let was_moving = self.motion.end().is_some();
-            self.motion.fold(tick);
-            if was_moving && self.motion.end().is_none() {
+            let shaping = !self.shaper.is_settled();
+            self.setpoint = self.shaper.shape(self.course.at(tick));
+            let arrived = self.course.fold(tick) || shaping;
+            if arrived && self.shaper.is_settled() {
                 self.telemetry.hasten();
             }
         }
@@ -191,6 +245,13 @@ impl Axis {
         }
         self.telemetry.tick(tick);
         self.setpoint
+    }
+
+    /// Has the motion take over that is to at this tick.
+    fn follow_course(&mut self) {
+        if let Some(departure) = self.course.advance(self.tick) {
+            self.departure = departure;
+        }
     }
 
     /// What to tell the drive at this tick.
@@ -245,7 +306,7 @@ impl Axis {
         // May lie before the beginning of bus time.
         self.since = Tick(self.since.0.wrapping_add_signed(step));
         self.commander.rebase(step);
-        self.motion.fold(Tick(u64::MAX));
+        self.course.settle();
         self.departure = None;
     }
 

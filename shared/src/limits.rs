@@ -191,6 +191,37 @@ impl Limits {
         self.position_maximum
     }
 
+    /// The same travel with rates that are at most these too; `None` where one is not positive.
+    pub fn narrowed(
+        &self,
+        velocity: Velocity,
+        acceleration: Acceleration,
+        deceleration: Acceleration,
+        jerk: Jerk,
+    ) -> Option<Self> {
+        let positive = velocity > Velocity::ZERO
+            && acceleration > Acceleration::ZERO
+            && deceleration > Acceleration::ZERO
+            && jerk > Jerk::ZERO;
+        positive.then_some(Self {
+            velocity: self.velocity.min(velocity),
+            acceleration: self.acceleration.min(acceleration),
+            deceleration: self.deceleration.min(deceleration),
+            jerk: self.jerk.min(jerk),
+            ..*self
+        })
+    }
+
+    /// The same with the lesser of acceleration and deceleration for both.
+    pub fn symmetric(&self) -> Self {
+        let slower = self.slower_acceleration();
+        Self {
+            acceleration: slower,
+            deceleration: slower,
+            ..*self
+        }
+    }
+
     /// The position inside the travel that is nearest to `position`, where it is less than
     /// `tolerance` away; otherwise `position` itself, which is then not allowed.
     ///

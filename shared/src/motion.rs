@@ -21,6 +21,8 @@
 //! | `bezier` | Bezier curves up to degree 16 |
 //! | `sync` | several axes that arrive together, or on a straight line |
 //! | `stop` | the controlled stop from any state |
+//! | `shaping` | setpoints that leave a mode of the machine at rest |
+//! | `stream` | knots at a fixed period, and the curves between them |
 //! | `chain`, `phase` | polynomial pieces in integers |
 //! | `fixed` | 64-bit fractions |
 
@@ -39,9 +41,11 @@ mod request;
 mod retarget;
 pub mod s_curve;
 pub mod segments;
+pub mod shaping;
 mod slower;
 mod smooth;
 mod stop;
+pub mod stream;
 pub mod sync;
 pub mod trajectory;
 pub mod trapezoid;

@@ -3,21 +3,26 @@
 //! A firmware image or a host process owns a node and only wires it to its peripherals:
 //!
 //! ```text
-//! a frame arrived        handle_frame(now, &frame), then drain poll_transmit
-//! at next_tick()         tick(now) -> setpoints, then drain poll_transmit
+//! a frame arrived        handle_frame(now, &frame), plan, then drain poll_transmit
+//! at next_tick()         tick(now) -> setpoints, plan, then drain poll_transmit
 //! the bus had an error   count(event)
 //! ```
+//!
+//! Frames and ticks are quick; planning is not. An owner that does one thing at a time calls
+//! [`Node::plan`]. One whose ticks must not wait has a task of lower priority that calls
+//! [`Node::take_plan`], [`Plan::work`] outside of the node's lock, and [`Node::commit`].
 //!
 //! Ticks are whole milliseconds of bus time, so the ticks of all nodes on a bus coincide, and a
 //! tick that runs late still gives the setpoint of its own instant.
 
 use crate::axis::state::State;
-use crate::axis::{Axis, Outcome};
+use crate::axis::{Axis, FinishedPlan, Outcome, Plan};
 use crate::drive::Drive;
 use crate::limits::Limits;
 use crate::motion::Setpoint;
+use crate::motion::shaping::{Shaping, ShapingError};
 use crate::time::bus_clock::{BusClock, Discipline};
-use crate::time::{BusTime, LocalTime, Tick};
+use crate::time::{BusTime, LocalTime, Tick, Ticks};
 use crate::wire::PROTOCOL_VERSION;
 use crate::wire::command::Command;
 use crate::wire::frame::Frame;
@@ -104,6 +109,8 @@ pub struct Node<D, const AXES: usize> {
     next: Option<Tick>,
     slots: Vec<Slot<D>, AXES>,
     setpoints: Vec<AxisSetpoint, AXES>,
+    /// The place of the axis whose plan was taken last.
+    planned: usize,
 }
 
 impl<D: Drive, const AXES: usize> Node<D, AXES> {
@@ -115,6 +122,7 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
             next: None,
             slots: Vec::new(),
             setpoints: Vec::new(),
+            planned: 0,
         }
     }
 
@@ -133,6 +141,19 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
         };
         let full = NodeError::Full { capacity: AXES };
         self.slots.push(slot).map_err(|_| full)
+    }
+
+    /// Shapes the setpoints of an axis for a mode of its machine: see [`Axis::shape`]. An axis that
+    /// the node does not have is passed over.
+    ///
+    /// # Errors
+    /// The axis moves.
+    pub fn shape(&mut self, axis: AxisId, shaping: Option<&Shaping>) -> Result<(), ShapingError> {
+        let mut slots = self.slots.iter_mut();
+        match slots.find(|slot| slot.axis.id() == axis) {
+            Some(slot) => slot.axis.shape(shaping),
+            None => Ok(()),
+        }
     }
 
     /// The axes of the node.
@@ -169,7 +190,7 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
                 slot.identity = 0;
                 continue;
             }
-            // The answer is in the axis's queue; the node has nothing to add to any outcome.
+            // The answer is in the axis's queue, or will be; the node has nothing to add to it.
             let _: Outcome = slot.axis.handle_command(bus_time, frame, command);
             if address != Address::All {
                 break;
@@ -215,6 +236,55 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
             });
         }
         &self.setpoints
+    }
+
+    /// Whether [`Self::take_plan`] would give something.
+    pub fn has_plan(&self) -> bool {
+        self.slots.iter().any(|slot| slot.axis.has_plan())
+    }
+
+    /// The next change of motion that is to be worked out: stops first, then the axes in turn.
+    /// `lead` says how many ticks may pass until it is committed.
+    pub fn take_plan(&mut self, lead: Ticks) -> Option<Plan> {
+        let stop = self
+            .slots
+            .iter()
+            .position(|slot| slot.axis.has_stop_to_plan());
+        let axes = self.slots.len();
+        // From the one after the last on, so that a flood at one axis does not starve the others.
+        let mut in_turn = (1..=axes).map(|step| (self.planned + step) % axes);
+        let waits = |place: &usize| {
+            let slot = self.slots.get(*place);
+            slot.is_some_and(|slot| slot.axis.has_plan())
+        };
+        let place = stop.or_else(|| in_turn.find(waits))?;
+        self.planned = place;
+        self.slots.get_mut(place)?.axis.take_plan(lead)
+    }
+
+    /// Takes what came of a plan; the answer to its command is then waiting, or it is to be planned
+    /// again.
+    pub fn commit(&mut self, finished: &FinishedPlan) {
+        let axis = finished.axis();
+        let mut slots = self.slots.iter_mut();
+        if let Some(slot) = slots.find(|slot| slot.axis.id() == axis) {
+            let _: Outcome = slot.axis.commit(finished);
+        }
+    }
+
+    /// Works out and commits everything that waits, before anything else happens.
+    pub fn plan(&mut self) {
+        for slot in &mut self.slots {
+            while slot.axis.plan().is_some() {}
+        }
+    }
+
+    /// How long the oldest stop that was decided has not been planned: an owner whose planner
+    /// does not get on must not go on as if nothing were wrong.
+    pub fn stop_overdue(&self) -> Ticks {
+        let slots = self.slots.iter();
+        let overdue = slots.map(|slot| slot.axis.stop_overdue());
+        overdue.max().unwrap_or_default()
     }
 
     /// The next frame to send, until there is none.

@@ -9,11 +9,17 @@ mod axis {
     mod commander;
     mod drive;
     mod host;
+    mod lateness;
     mod node_bench;
+    mod planner;
+    mod planning;
     mod random;
+    mod s_curve;
     mod sequence;
+    mod shaping;
     mod stop;
     mod telemetry;
     mod trapezoid;
     mod trigger;
+    mod turns;
 }

@@ -19,8 +19,8 @@ use canter_tests::measurement;
 use canter_tests::process::Process;
 use emulated::{Emulated, Record, Served};
 
-/// One tick at 170 MHz, in instructions of at least one cycle each.
-const TICK: u64 = 170_000;
+/// What `canter_firmware::planning::LEAD` counts on.
+const PLAN: u64 = 80_000;
 
 /// Runs a measuring image to its end, and gives what it printed.
 fn run(name: &str) -> BTreeMap<String, u64> {
@@ -56,14 +56,58 @@ fn the_core_keeps_its_budget_of_instructions() {
     assert_eq!(results["calibration.nops_1000"], 1_000, "the count is off");
     holds(&results, "beta.position.most", 400);
     holds(&results, "beta.setpoint.most", 1_200);
-    for name in ["at_rest", "beta", "trapezoid"] {
+    for name in ["at_rest", "beta", "trapezoid", "without_host"] {
         holds(&results, &format!("node.tick_{name}.most"), 1_500);
     }
-    // Planning holds off the tick, so it must leave room for one.
+    holds(&results, "node.tick_overtaking.most", 1_500);
+    // Each move laid over the others costs what the first one does: over the aim of 1500.
+    holds(&results, "node.tick_overlaid.most", 3_200);
+    holds(&results, "node.handle_frame.most", 2_000);
+    holds(&results, "node.handle_frame_overtaking.most", 2_000);
+    // These copy a motion under the node's lock, which holds off the tick.
+    holds(&results, "node.take_plan.most", 4_000);
+    holds(&results, "node.commit.most", 4_000);
+    // Planning holds off nothing, but must be done within its lead.
     for name in ["beta", "trapezoid"] {
-        holds(&results, &format!("node.start_{name}.most"), TICK / 2);
-        holds(&results, &format!("node.retarget_{name}.most"), TICK / 2);
+        holds(&results, &format!("node.start_{name}.most"), PLAN);
+        holds(&results, &format!("node.retarget_{name}.most"), PLAN);
     }
+    holds(&results, "node.stop.most", PLAN);
+}
+
+/// What changes a motion, over a few hundred random situations each; and how deep the stack gets.
+#[test]
+fn motions_keep_their_budget_of_instructions_and_stack() {
+    let results = run("measure_motion");
+    for name in ["s_curve", "trapezoid"] {
+        holds(&results, &format!("motion.tick_{name}.most"), 600);
+    }
+    for name in ["overlay", "stop_beta", "stop_trapezoid", "stop_s_curve"] {
+        holds(&results, &format!("motion.{name}.most"), 20_000);
+    }
+    for name in ["retarget_trapezoid", "retarget_again_trapezoid"] {
+        holds(&results, &format!("motion.{name}.most"), 20_000);
+    }
+    // A beta move that leaves no room for another goes on along an s-curve.
+    for name in ["beta", "s_curve"] {
+        for what in ["start", "retarget", "retarget_again", "limits"] {
+            holds(&results, &format!("motion.{what}_{name}.most"), PLAN);
+        }
+    }
+    holds(&results, "motion.start_trapezoid.most", PLAN);
+    holds(&results, "motion.limits_trapezoid.most", PLAN);
+    for name in ["start", "retarget", "stop", "limits", "tick"] {
+        bytes(&results, &format!("stack.{name}"), 6_144);
+    }
+    bytes(&results, "motion.bytes", 2_048);
+}
+
+#[track_caller]
+fn bytes(results: &BTreeMap<String, u64>, name: &str, bound: u64) {
+    let value = results[name];
+    let bounded = format!("<= {bound}");
+    measurement("target", name, &format!("{value} bytes"), &bounded);
+    assert!(value <= bound, "{name}: {value} is over {bound}");
 }
 
 /// The device's evaluator, which has the same bits here as there, against the exact curve.
@@ -259,5 +303,24 @@ fn keeps_its_limits(records: &[Record]) {
         );
         let change = (now.acceleration - before.acceleration).abs() as f64;
         assert!(change <= 2.0 * jerk * 1e-3, "{pair:?}");
+    }
+}
+
+/// A tick evaluates a stream or shapes a setpoint; a knot is looked at when its frame comes.
+#[test]
+fn streams_and_shapers_keep_their_budget_of_instructions() {
+    let results = run("measure_stream");
+    for name in ["stream.cubic.at", "stream.quintic.at", "shaping.shape"] {
+        holds(&results, &format!("{name}.most"), 600);
+    }
+    for name in ["cubic", "quintic", "hostile"] {
+        holds(&results, &format!("stream.{name}.push.most"), 8_000);
+    }
+    // Some of the hostile knots must have been taken on, or only refusals were measured.
+    assert!(results["stream.hostile.accepted"] > 1_000, "{results:?}");
+    holds(&results, "shaping.change", 20_000);
+    holds(&results, "shaping.reset", 1_500);
+    for (name, bound) in [("stream.bytes", 640), ("shaping.bytes", 3_200)] {
+        bytes(&results, name, bound);
     }
 }

@@ -18,7 +18,7 @@ use canter_firmware::emulated::trace::Trace;
 use canter_firmware::emulated::{slcan, time};
 use canter_firmware::node::{self, FIRST_AXIS, SharedNode};
 use canter_firmware::port::NoWatchdog;
-use canter_firmware::{control, priority};
+use canter_firmware::{control, planning, priority};
 use canter_shared::node::Board;
 use cortex_m::peripheral::{NVIC, SCB};
 use cortex_m_rt::{ExceptionFrame, entry, exception};
@@ -30,6 +30,7 @@ use stm32_metapac::{Interrupt, interrupt};
 // the thread executor sleeps by WFE, which QEMU treats as no operation: it would burn a host's core.
 static CONTROL: InterruptExecutor = InterruptExecutor::new();
 static BUS: InterruptExecutor = InterruptExecutor::new();
+static PLANNING: InterruptExecutor = InterruptExecutor::new();
 
 static SIGNALS: Signals = Signals::new();
 static NODE: StaticCell<SharedNode> = StaticCell::new();
@@ -59,7 +60,10 @@ fn main() -> ! {
         set(Interrupt::USART1, priority::CAN_INTERRUPT);
         set(Interrupt::UART5, priority::CONTROL);
         set(Interrupt::UART4, priority::BUS);
+        set(Interrupt::USART3, priority::PLANNING);
     }
+    let planner = PLANNING.start(Interrupt::USART3);
+    planner.spawn(planning_task(node).unwrap());
     let bus = BUS.start(Interrupt::UART4);
     bus.spawn(receive_task(node, receiver).unwrap());
     bus.spawn(transmit_task(node, transmitter).unwrap());
@@ -89,6 +93,12 @@ unsafe fn UART4() {
     unsafe { BUS.on_interrupt() }
 }
 
+#[interrupt]
+unsafe fn USART3() {
+    // SAFETY: this is the interrupt that `PLANNING` is started with, and nothing else calls it.
+    unsafe { PLANNING.on_interrupt() }
+}
+
 #[embassy_executor::task]
 async fn control_task(node: &'static SharedNode, monitor: slcan::Monitor, trace: Trace) -> ! {
     control::run(node, &SIGNALS, monitor, trace, NoWatchdog).await
@@ -102,6 +112,11 @@ async fn receive_task(node: &'static SharedNode, receiver: slcan::Receiver) -> !
 #[embassy_executor::task]
 async fn transmit_task(node: &'static SharedNode, transmitter: slcan::Transmitter) -> ! {
     bus::transmit(node, &SIGNALS, transmitter).await
+}
+
+#[embassy_executor::task]
+async fn planning_task(node: &'static SharedNode) -> ! {
+    planning::run(node, &SIGNALS).await
 }
 
 /// As on a real board; with `-no-reboot` QEMU ends, so a test cannot miss it.

@@ -113,6 +113,22 @@ pub enum ClientError {
         /// The greatest position in rad.
         maximum: f64,
     },
+    /// A limit that was asked for is less than the least that the wire can tell an axis.
+    #[error(
+        "{field} of {value} {unit} for axis {axis} is too small for the wire: choose at least {least:.3} {unit}"
+    )]
+    BelowStep {
+        /// Which axis.
+        axis: AxisId,
+        /// The flag.
+        field: &'static str,
+        /// Its value.
+        value: f64,
+        /// The least value.
+        least: f64,
+        /// The unit of both.
+        unit: &'static str,
+    },
     /// A limit that was asked for is above the axis's own.
     #[error(
         "{field} of {value} is above the limit of axis {axis}, {limit}: choose {limit} or less"

@@ -6,10 +6,11 @@
 
 use super::link::{MILLISECOND, Reply, after};
 use super::plan::Planned;
-use super::request::MoveRequest;
+use super::request::{MoveRequest, Overrides};
 use super::{Client, ClientError};
 use crate::bus::Bus;
 use crate::robot::Robot;
+use canter_shared::limits::Limits;
 use canter_shared::motion::trapezoid::Trapezoid;
 use canter_shared::time::{BusTime, Ticks};
 use canter_shared::units::Position;
@@ -93,8 +94,11 @@ impl<B: Bus> Client<B> {
     fn stage(&mut self, plan: &mut [Planned], request: &MoveRequest) -> Result<u8, ClientError> {
         // An axis may find that its own range is a step longer: then the move is that much slower.
         for _ in 0..3 {
-            if request.profile == ProfileKind::Trapezoid {
-                self.send_shapes(plan)?;
+            match request.profile {
+                ProfileKind::Beta => {}
+                ProfileKind::Trapezoid => self.send_shapes(plan)?,
+                ProfileKind::SCurve if request.limits == Overrides::default() => {}
+                ProfileKind::SCurve => self.send_limits(plan)?,
             }
             let sequence = self.next_sequence();
             let questions: Vec<_> = plan
@@ -113,6 +117,7 @@ impl<B: Bus> Client<B> {
             let function = match request.profile {
                 ProfileKind::Beta => Function::StageBeta,
                 ProfileKind::Trapezoid => Function::StageTrapezoid,
+                ProfileKind::SCurve => Function::StageSCurve,
             };
             let mut least = Ticks(0);
             for reply in self.ask(sequence, &questions)? {
@@ -153,6 +158,35 @@ impl<B: Bus> Client<B> {
             questions.push((planned.axis, command));
         }
         self.demand(sequence, &questions)
+    }
+
+    /// Tells each axis the limits of its s-curve.
+    fn send_limits(&mut self, plan: &[Planned]) -> Result<(), ClientError> {
+        let each = |command: fn(&Limits, u8) -> Command, sequence| -> Vec<_> {
+            plan.iter()
+                .map(|planned| (planned.axis, command(&planned.limits, sequence)))
+                .collect()
+        };
+        let sequence = self.next_sequence();
+        let ramps = each(
+            |limits, sequence| Command::RampLimits {
+                acceleration: limits.acceleration(),
+                deceleration: limits.deceleration(),
+                sequence,
+            },
+            sequence,
+        );
+        self.demand(sequence, &ramps)?;
+        let sequence = self.next_sequence();
+        let peaks = each(
+            |limits, sequence| Command::PeakLimits {
+                velocity: limits.velocity(),
+                jerk: limits.jerk(),
+                sequence,
+            },
+            sequence,
+        );
+        self.demand(sequence, &peaks)
     }
 
     fn run(

@@ -7,12 +7,18 @@ use crate::robot::Robot;
 use canter_shared::axis::state::State;
 use canter_shared::limits::{DEFAULT_VALUES, LimitValues, Limits};
 use canter_shared::motion::beta::Beta;
+use canter_shared::motion::shortest_s_curve;
 use canter_shared::motion::trapezoid::Trapezoid;
 use canter_shared::time::{LONGEST_MOVE, Ticks};
-use canter_shared::units::Position;
-use canter_shared::wire::command::{ProfileKind, wire_position};
+use canter_shared::units::{Acceleration, Position, Velocity};
+use canter_shared::wire::command::{
+    ProfileKind, wire_acceleration, wire_jerk, wire_position, wire_velocity_limit,
+};
 use canter_shared::wire::id::AxisId;
-use canter_shared::wire::layout::POSITION_STEP;
+use canter_shared::wire::layout::{
+    ACCELERATION_FACTOR, JERK_FACTOR, POSITION_STEP, VELOCITY_LIMIT_FACTOR,
+};
+use std::f64::consts::TAU;
 
 /// How far from the planned range the axis's own may be: what the wire rounds off the position
 /// it reported and off the target, twice each.
@@ -88,7 +94,10 @@ fn plan_axis(
 ) -> Result<Planned, ClientError> {
     let axis = goal.axis;
     let own = robot.limits(axis);
-    let limits = narrowed(axis, &own, &request.limits)?;
+    let mut limits = narrowed(axis, &own, &request.limits)?;
+    if request.profile == ProfileKind::SCurve && request.limits != Overrides::default() {
+        limits = on_the_wire(axis, &limits)?;
+    }
     let radians = match goal.target {
         Target::Absolute(radians) => radians,
         Target::Relative(radians) => at + radians,
@@ -115,6 +124,7 @@ fn plan_axis(
         ProfileKind::Trapezoid => {
             Trapezoid::shortest(range, &limits).map(|trapezoid| trapezoid.duration())
         }
+        ProfileKind::SCurve => shortest_s_curve(range, &limits),
     };
     Ok(Planned {
         axis,
@@ -123,6 +133,36 @@ fn plan_axis(
         limits,
         range,
     })
+}
+
+/// The limits that the wire can tell an axis, at most these.
+fn on_the_wire(axis: AxisId, limits: &Limits) -> Result<Limits, ClientError> {
+    let velocity = wire_velocity_limit(limits.velocity());
+    let acceleration = wire_acceleration(limits.acceleration());
+    let deceleration = wire_acceleration(limits.deceleration());
+    let jerk = wire_jerk(limits.jerk());
+    let least = |field, value, step: f64, unit| ClientError::BelowStep {
+        axis,
+        field,
+        value,
+        least: step * TAU,
+        unit,
+    };
+    limits
+        .narrowed(velocity, acceleration, deceleration, jerk)
+        .ok_or(if velocity == Velocity::ZERO {
+            let value = limits.velocity().radians();
+            least("--vmax", value, VELOCITY_LIMIT_FACTOR, "rad/s")
+        } else if acceleration == Acceleration::ZERO {
+            let value = limits.acceleration().radians();
+            least("--amax", value, ACCELERATION_FACTOR, "rad/s^2")
+        } else if deceleration == Acceleration::ZERO {
+            let value = limits.deceleration().radians();
+            least("--dmax", value, ACCELERATION_FACTOR, "rad/s^2")
+        } else {
+            let value = limits.jerk().radians();
+            least("--jmax", value, JERK_FACTOR, "rad/s^3")
+        })
 }
 
 /// The axis's limits with those of one move, which must not be above them.

@@ -3,15 +3,15 @@
 use std::collections::VecDeque;
 
 use canter_shared::drive::simulated::Simulated;
-use canter_shared::limits::Limits;
 use canter_shared::node::{AxisSetpoint, Board, Identity, Node};
 use canter_shared::time::{BusTime, LocalTime};
 use canter_shared::units::Position;
 use canter_shared::wire::frame::Frame;
-use canter_shared::wire::id::{Address, AxisId, Function};
+use canter_shared::wire::id::{Address, Function};
 
 use super::clock::{Crystal, TrueTime};
 use super::random::SplitMix64;
+use crate::robot::RobotAxis;
 
 pub(super) struct Device {
     node: Node<Simulated, 1>,
@@ -26,12 +26,7 @@ pub(super) struct Device {
 }
 
 impl Device {
-    pub(super) fn new(
-        axis: AxisId,
-        limits: Limits,
-        crystal_ppm: u32,
-        random: &mut SplitMix64,
-    ) -> Self {
+    pub(super) fn new(axis: &RobotAxis, crystal_ppm: u32, random: &mut SplitMix64) -> Self {
         let mut chip = [0; 12];
         for bytes in chip.chunks_mut(4) {
             bytes.copy_from_slice(&(random.next() as u32).to_le_bytes());
@@ -42,8 +37,10 @@ impl Device {
             firmware: crate::version(),
             board: Board::Simulated,
         });
-        node.add_axis(axis, limits, Simulated::new(Position::ZERO))
+        node.add_axis(axis.id, axis.limits, Simulated::new(Position::ZERO))
             .expect("a node with room for one axis takes one");
+        node.shape(axis.id, axis.shaping.as_ref())
+            .expect("a new axis rests");
         let due = node.next_tick();
         Self {
             next_tick: (due, crystal.when(due)),
@@ -79,6 +76,7 @@ impl Device {
             }
             None => self.node.tick(local).first().copied(),
         };
+        self.node.plan();
         self.refill(local);
         setpoint.filter(|_| self.synchronised)
     }

@@ -1,11 +1,13 @@
 //! What each command does to an axis, and what is answered.
 
 use super::fault::Fault;
+use super::planning::{Leave, WantedMove};
 use super::state::State;
-use super::{Axis, Departure, Outcome, Request, Staged};
-use crate::motion::{Move, PlanError, Profile};
+use super::{Axis, Outcome, Reply, Request};
+use crate::motion::{Move, PlanError};
 use crate::time::{BusTime, LONGEST_MOVE, Tick, Ticks};
-use crate::wire::command::{Action, Command, ProfileKind, Session};
+use crate::units::{Acceleration, Jerk, Velocity};
+use crate::wire::command::{Action, Command, Session};
 use crate::wire::frame::Frame;
 use crate::wire::id::Function;
 use crate::wire::layout::POSITION_STEP;
@@ -17,7 +19,16 @@ use crate::wire::report::Report;
 const LONGEST_LEAD: Ticks = Ticks(10_000);
 
 /// A refusal: its reason, and the detail that the reason's table promises.
-type Refusal = (Reason, u32);
+pub(super) type Refusal = (Reason, u32);
+
+/// What became of a command that is in order.
+#[derive(Debug, Clone, Copy)]
+enum Done {
+    /// Done, with the detail of its answer.
+    Now(u32),
+    /// The job of this number is to be planned.
+    Planning(u32),
+}
 
 impl Axis {
     /// Takes a frame that arrived at bus time `now`. Anything that is not a command for this axis
@@ -47,8 +58,7 @@ impl Axis {
                 Outcome::Accepted
             }
             Command::Stop { sequence } => {
-                self.forget_moves();
-                self.stop();
+                self.stop((Reason::Moving, 0));
                 self.answer(Function::Stop, sequence, Ok(0))
             }
             Command::HostHeartbeat { session } => {
@@ -62,25 +72,23 @@ impl Axis {
             } => self.trigger(frame, group, session, start),
             Command::Control { sequence, .. }
             | Command::TrapezoidShape { sequence, .. }
+            | Command::RampLimits { sequence, .. }
+            | Command::PeakLimits { sequence, .. }
             | Command::Move { sequence, .. } => {
-                if let Some((last, report)) = self.last_command
+                if let Some((last, reply)) = self.last_command
                     && last == *frame
                 {
-                    self.telemetry.answer(report);
-                    return Outcome::Repeated;
+                    return self.repeat(reply);
                 }
-                let admitted = self.admit(&command, sequence);
-                let answer = match admitted {
-                    Ok(()) => self.execute(command),
-                    Err(refusal) => Err(refusal),
-                };
+                let function = command.function();
+                if let Err(refusal) = self.admit(&command, sequence) {
+                    return self.answer(function, sequence, Err(refusal));
+                }
                 // Whatever was answered to a command of its own number, its repetition gets the
                 // same: one that was refused must not be done when conditions have changed.
-                if admitted.is_ok() {
-                    let report = acknowledgement(command.function(), sequence, answer);
-                    self.last_command = Some((*frame, report));
-                }
-                self.answer(command.function(), sequence, answer)
+                let (reply, outcome) = self.reply(function, sequence, |axis| axis.execute(command));
+                self.last_command = Some((*frame, reply));
+                outcome
             }
         }
     }
@@ -105,7 +113,32 @@ impl Axis {
         }
     }
 
-    fn answer(
+    /// Does what a command says, and answers it unless it is to be planned.
+    fn reply(
+        &mut self,
+        function: Function,
+        sequence: u8,
+        execute: impl FnOnce(&mut Self) -> Result<Done, Refusal>,
+    ) -> (Reply, Outcome) {
+        let answer = match execute(self) {
+            Ok(Done::Planning(number)) => return (Reply::Waits(number), Outcome::Planning),
+            Ok(Done::Now(detail)) => Ok(detail),
+            Err(refusal) => Err(refusal),
+        };
+        let report = acknowledgement(function, sequence, answer);
+        let outcome = self.answer(function, sequence, answer);
+        (Reply::Given(report), outcome)
+    }
+
+    /// The first answer again; where that is still to come, it will do for both.
+    fn repeat(&mut self, reply: Reply) -> Outcome {
+        if let Reply::Given(report) = reply {
+            self.telemetry.answer(report);
+        }
+        Outcome::Repeated
+    }
+
+    pub(super) fn answer(
         &mut self,
         function: Function,
         sequence: u8,
@@ -122,9 +155,10 @@ impl Axis {
         }
     }
 
-    fn execute(&mut self, command: Command) -> Result<u32, Refusal> {
+    fn execute(&mut self, command: Command) -> Result<Done, Refusal> {
+        let function = command.function();
         match command {
-            Command::Control { action, .. } => self.control(action),
+            Command::Control { action, .. } => self.control(action).map(Done::Now),
             Command::TrapezoidShape {
                 acceleration,
                 deceleration,
@@ -134,8 +168,26 @@ impl Axis {
                 if acceleration.0 == 0 || deceleration.0 == 0 || whole > LONGEST_MOVE.0 {
                     return Err((Reason::BadValue, 0));
                 }
-                self.shape = Some((acceleration, deceleration));
-                Ok(0)
+                self.prepared.shape = Some((acceleration, deceleration));
+                Ok(Done::Now(0))
+            }
+            Command::RampLimits {
+                acceleration,
+                deceleration,
+                ..
+            } => {
+                if acceleration <= Acceleration::ZERO || deceleration <= Acceleration::ZERO {
+                    return Err((Reason::BadValue, 0));
+                }
+                self.prepared.ramps = Some((acceleration, deceleration));
+                Ok(Done::Now(0))
+            }
+            Command::PeakLimits { velocity, jerk, .. } => {
+                if velocity <= Velocity::ZERO || jerk <= Jerk::ZERO {
+                    return Err((Reason::BadValue, 0));
+                }
+                self.prepared.peaks = Some((velocity, jerk));
+                Ok(Done::Now(0))
             }
             Command::Move {
                 profile,
@@ -148,18 +200,23 @@ impl Axis {
                 let asked = Move {
                     target: self.limits.snap(target, POSITION_STEP),
                     duration,
-                    profile: self.profile(profile),
+                    profile: self.prepared.profile(profile),
                 };
-                let detail = if staged {
-                    self.stage(sequence, asked)?
+                let leave = if staged {
+                    Leave::WhenTriggered
                 } else {
-                    self.depart(sequence, asked, self.tick)?
+                    Leave::Now
                 };
-                // Used up by the trapezoid that it was meant for, and by nothing else.
-                if profile == ProfileKind::Trapezoid {
-                    self.shape = None;
-                }
-                Ok(detail)
+                let mut left = self.prepared;
+                let number = self.want_move(WantedMove {
+                    asked,
+                    prepared: left.take(profile),
+                    leave,
+                    sequence,
+                    function,
+                })?;
+                self.prepared = left;
+                Ok(Done::Planning(number))
             }
             // The others never come here.
             _ => Err((Reason::BadValue, 0)),
@@ -176,7 +233,7 @@ impl Axis {
             .map_err(|holder| (Reason::HeldByOther, holder.into()))?;
         if anew {
             // Numbers begin anew, so a group that was staged has lost its name.
-            self.forget_moves();
+            self.forget_moves((Reason::StaleSequence, sequence.into()));
             self.last_trigger = None;
         }
         Ok(())
@@ -217,7 +274,7 @@ impl Axis {
                     return Err((Reason::Moving, 0));
                 }
                 self.commander.release();
-                self.forget_moves();
+                self.forget_moves((Reason::NotHeld, 0));
                 self.telemetry.hasten();
             }
             Action::Enable => match self.state {
@@ -235,12 +292,11 @@ impl Axis {
             },
             Action::Disable => match self.state {
                 State::OperationEnabled => {
-                    self.forget_moves();
-                    self.stop();
+                    self.stop(self.disabled());
                     self.request = Some(Request::Disable);
                 }
                 State::ReadyToSwitchOn | State::SwitchedOn => {
-                    self.forget_moves();
+                    self.forget_moves(self.disabled());
                     self.request = None;
                     self.enter(State::SwitchOnDisabled);
                 }
@@ -261,50 +317,13 @@ impl Axis {
         Ok(0)
     }
 
-    fn profile(&self, kind: ProfileKind) -> Profile {
-        match (kind, self.shape) {
-            (ProfileKind::Beta, _) => Profile::Beta,
-            (ProfileKind::Trapezoid, None) => Profile::Trapezoid,
-            (ProfileKind::Trapezoid, Some((acceleration, deceleration))) => {
-                Profile::ShapedTrapezoid {
-                    acceleration,
-                    deceleration,
-                }
-            }
-        }
-    }
-
-    /// Checks a move as if it left now, and keeps it for the trigger.
-    fn stage(&mut self, sequence: u8, asked: Move) -> Result<u32, Refusal> {
-        let mut trial = self.motion.clone();
-        let planned = trial
-            .start(self.tick, self.tick, asked, &self.limits)
-            .map_err(refusal)?;
-        self.staged = Some(Staged { sequence, asked });
-        Ok(planned.end.since(planned.start).0)
-    }
-
-    fn depart(&mut self, sequence: u8, asked: Move, start: Tick) -> Result<u32, Refusal> {
-        let planned = self
-            .motion
-            .start(self.tick, start, asked, &self.limits)
-            .map_err(refusal)?;
-        self.staged = None;
-        self.departure = Some(Departure {
-            sequence,
-            start: planned.start,
-        });
-        self.telemetry.hasten();
-        Ok(planned.end.since(self.tick).0)
-    }
-
     fn trigger(&mut self, frame: &Frame, group: u8, session: Session, start: Tick) -> Outcome {
-        if let Some((last, report)) = self.last_trigger
+        if let Some((last, reply)) = self.last_trigger
             && last == *frame
         {
-            self.telemetry.answer(report);
-            return Outcome::Repeated;
+            return self.repeat(reply);
         }
+        // One that is still being checked is not staged yet: who triggers it did not wait.
         let Some(staged) = self
             .staged
             .filter(|staged| staged.sequence == group && self.held_by(session).is_ok())
@@ -312,30 +331,48 @@ impl Axis {
             return Outcome::Ignored;
         };
         self.staged = None;
-        let answer = if start < self.tick {
-            Err((Reason::TooLate, self.tick.since(start).0))
-        } else if start.since(self.tick) > LONGEST_LEAD {
-            Err((Reason::BadValue, 0))
-        } else {
-            self.ready()
-                .and_then(|()| self.depart(staged.sequence, staged.asked, start))
-        };
-        let report = acknowledgement(Function::Trigger, group, answer);
-        self.last_trigger = Some((*frame, report));
-        self.answer(Function::Trigger, group, answer)
+        let (reply, outcome) = self.reply(Function::Trigger, group, |axis| {
+            if start < axis.tick {
+                return Err((Reason::TooLate, axis.tick.since(start).0));
+            }
+            if start.since(axis.tick) > LONGEST_LEAD {
+                return Err((Reason::BadValue, 0));
+            }
+            axis.ready()?;
+            let number = axis.want_move(WantedMove {
+                asked: staged.asked,
+                prepared: staged.prepared,
+                leave: Leave::At(start),
+                sequence: staged.sequence,
+                function: Function::Trigger,
+            })?;
+            Ok(Done::Planning(number))
+        });
+        self.last_trigger = Some((*frame, reply));
+        outcome
     }
 
-    /// Comes to rest as quickly as the limits allow.
-    fn stop(&mut self) {
+    /// Comes to rest as quickly as the limits allow, and forgets what was to come: `why` is told
+    /// to those whose moves are called off.
+    fn stop(&mut self, why: Refusal) {
+        self.forget_moves(why);
         if self.state.drives() {
-            self.motion.stop(self.tick, &self.limits);
-            self.departure = None;
+            self.want_stop(why);
             self.telemetry.hasten();
         }
     }
+
+    fn disabled(&self) -> Refusal {
+        let next = State::SwitchOnDisabled;
+        (Reason::NotEnabled, u8::from(next).into())
+    }
 }
 
-fn acknowledgement(function: Function, sequence: u8, answer: Result<u32, Refusal>) -> Report {
+pub(super) fn acknowledgement(
+    function: Function,
+    sequence: u8,
+    answer: Result<u32, Refusal>,
+) -> Report {
     let (reason, detail) = match answer {
         Ok(detail) => (Reason::Accepted, detail),
         Err(refusal) => refusal,
@@ -352,7 +389,7 @@ fn tick_of(now: BusTime) -> Tick {
     Tick(now.0 / crate::time::MICROSECONDS_PER_TICK)
 }
 
-fn refusal(error: PlanError) -> Refusal {
+pub(super) fn refusal(error: PlanError) -> Refusal {
     match error {
         PlanError::OutsideTravel { .. } => (Reason::OutsideTravel, 0),
         PlanError::TooFast { shortest } => (Reason::TooFast, shortest.0),

@@ -1,11 +1,15 @@
 //! What an axis watches at every tick, and the way from state to state.
 
+use super::command::Refusal;
 use super::fault::Fault;
+use super::prepared::Prepared;
 use super::state::State;
 use super::{Axis, HOST_TIMEOUT, Request};
 use crate::drive::Condition;
-use crate::motion::{Motion, Setpoint};
+use crate::motion::Setpoint;
 use crate::time::Ticks;
+use crate::units::Position;
+use crate::wire::reason::Reason;
 
 /// How long a drive may take to enable: 1 s, time for the brake of a large one.
 const ENABLE_TIMEOUT: Ticks = Ticks(1_000);
@@ -44,16 +48,17 @@ impl Axis {
     /// Forgets the session and all that only it could have meant.
     pub(super) fn lose_commander(&mut self) {
         self.commander.release();
-        self.forget_moves();
+        self.forget_moves((Reason::NotHeld, 0));
         self.last_command = None;
         // What it asked for last, nobody wants any more.
         self.request = None;
     }
 
-    /// Forgets what was prepared for later.
-    pub(super) fn forget_moves(&mut self) {
+    /// Forgets what was prepared for later; `why` is the answer to what is still being checked.
+    pub(super) fn forget_moves(&mut self, why: Refusal) {
+        self.call_off_stages(why);
         self.staged = None;
-        self.shape = None;
+        self.prepared = Prepared::default();
     }
 
     /// Latches a fault, the first one only: what follows from it would hide the cause.
@@ -63,7 +68,9 @@ impl Axis {
         }
         self.fault = Some(fault);
         self.request = None;
-        self.forget_moves();
+        let latched = (Reason::FaultLatched, u8::from(fault).into());
+        self.forget_moves(latched);
+        self.want_stop(latched);
         // No answer from before the fault is true any more.
         self.last_command = None;
         self.telemetry.fault(fault.into(), self.handed_over);
@@ -72,7 +79,6 @@ impl Axis {
             Fault::DriveFault | Fault::DriveLost | Fault::EnableTimeout
         );
         if self.state.drives() && !gone {
-            self.motion.stop(self.tick, &self.limits);
             self.enter(State::FaultReactionActive);
         } else {
             // A drive that no longer follows cannot be led to rest.
@@ -91,7 +97,8 @@ impl Axis {
 
     /// Ends all motion where the setpoint is; nothing follows setpoints any more.
     fn freeze(&mut self) {
-        self.motion = Motion::at_rest(self.setpoint.position);
+        self.planning.clear();
+        self.stand(self.setpoint.position);
         self.departure = None;
         self.setpoint = Setpoint {
             position: self.setpoint.position,
@@ -101,12 +108,12 @@ impl Axis {
 
     /// Ends a motion that has come to its end, at that end.
     fn rest(&mut self) {
-        self.setpoint = self.motion.at(self.tick);
+        self.setpoint = self.course.at(self.tick);
         self.freeze();
     }
 
     fn advance(&mut self) {
-        let at_rest = !self.motion.is_moving(self.tick);
+        let at_rest = !self.is_moving();
         match self.state {
             State::NotReadyToSwitchOn => {
                 if let Some(report) = self.drive.filter(|_| self.drive_is_ready()) {
@@ -157,7 +164,13 @@ impl Axis {
     /// Sets the setpoint to where the drive is, at rest.
     fn follow_drive(&mut self) {
         if let Some(report) = self.drive {
-            self.motion = Motion::at_rest(report.position);
+            self.stand(report.position);
         }
+    }
+
+    /// Forgets all motion, at rest at `position`.
+    fn stand(&mut self, position: Position) {
+        self.course.rest(position);
+        self.shaper.reset(position);
     }
 }

@@ -152,7 +152,10 @@ mod tests {
         for value in [1 << 63, (1 << 63) + 1, u64::MAX, u64::MAX - 1] {
             let exact = (1u128 << 127) / u128::from(value);
             let got = u128::from(reciprocal(value));
-            assert!(got <= exact && exact - got <= 1 << 6, "{value}: {got} {exact}");
+            assert!(
+                got <= exact && exact - got <= 1 << 6,
+                "{value}: {got} {exact}"
+            );
         }
         assert_eq!(scale(i64::MIN, ALMOST_ONE), i64::MIN);
         assert_eq!(scale(i64::MIN, 0), 0);

@@ -210,14 +210,17 @@ pub(crate) fn slower(
         exit: coasting,
     };
     // The last piece ends on the tick, whatever the rounding of its parts.
-    let stop = stop.pieces(begins).enumerate().map(move |(index, piece)| Piece {
-        ends: if index == 2 {
-            Moment::from_ticks(duration)
-        } else {
-            piece.ends
-        },
-        ..piece
-    });
+    let stop = stop
+        .pieces(begins)
+        .enumerate()
+        .map(move |(index, piece)| Piece {
+            ends: if index == 2 {
+                Moment::from_ticks(duration)
+            } else {
+                piece.ends
+            },
+            ..piece
+        });
     Some(change.pieces(0.0).chain([coast]).chain(stop))
 }
 

@@ -3,12 +3,13 @@
 use super::frame::Frame;
 use super::id::{Address, Function, split};
 use super::layout::{
-    self, Addressing, Field, Layout, POSITION_SHIFT, Sender, control, host_heartbeat, plain_move,
-    stop, sync, trapezoid_shape, trigger,
+    self, ACCELERATION_SHIFT, Addressing, Field, JERK_SHIFT, Layout, POSITION_SHIFT, Sender,
+    VELOCITY_LIMIT_SHIFT, control, host_heartbeat, peak_limits, plain_move, ramp_limits, stop,
+    sync, trapezoid_shape, trigger,
 };
 use super::{DecodeError, FieldError};
 use crate::time::{BusTime, Tick, Ticks};
-use crate::units::Position;
+use crate::units::{Acceleration, Jerk, Position, Velocity};
 use num_enum::{IntoPrimitive, TryFromPrimitive};
 
 /// One commander's claim to axes: a number that it draws at random when it begins, not zero.
@@ -48,6 +49,8 @@ pub enum ProfileKind {
     Beta,
     /// The trapezoid.
     Trapezoid,
+    /// The jerk-limited s-curve.
+    SCurve,
 }
 
 /// A command, with everything in the units of this crate.
@@ -99,6 +102,26 @@ pub enum Command {
         /// The command's number.
         sequence: u8,
     },
+    /// The largest acceleration and deceleration of the next s-curve, rounded down to whole
+    /// steps of the wire; the axis's own limits hold beside them.
+    RampLimits {
+        /// The largest acceleration.
+        acceleration: Acceleration,
+        /// The largest deceleration.
+        deceleration: Acceleration,
+        /// The command's number.
+        sequence: u8,
+    },
+    /// The largest velocity and jerk of the next s-curve, rounded down to whole steps of the
+    /// wire; the axis's own limits hold beside them.
+    PeakLimits {
+        /// The largest velocity.
+        velocity: Velocity,
+        /// The largest jerk.
+        jerk: Jerk,
+        /// The command's number.
+        sequence: u8,
+    },
     /// Move along a profile.
     Move {
         /// Which profile.
@@ -119,6 +142,25 @@ pub enum Command {
 /// The nearest position that the wire can carry: at most 2^-24 turn (0.37 microrad) away.
 pub const fn wire_position(position: Position) -> Position {
     Position::from_counts(wire_steps(position) << POSITION_SHIFT)
+}
+
+/// The largest acceleration that the wire can carry and that is not above this one.
+pub const fn wire_acceleration(acceleration: Acceleration) -> Acceleration {
+    Acceleration::from_counts(down(acceleration.counts(), ACCELERATION_SHIFT))
+}
+
+/// The largest velocity limit that the wire can carry and that is not above this one.
+pub const fn wire_velocity_limit(velocity: Velocity) -> Velocity {
+    Velocity::from_counts(down(velocity.counts(), VELOCITY_LIMIT_SHIFT))
+}
+
+/// The largest jerk that the wire can carry and that is not above this one.
+pub const fn wire_jerk(jerk: Jerk) -> Jerk {
+    Jerk::from_counts(down(jerk.counts(), JERK_SHIFT))
+}
+
+const fn down(counts: i64, shift: u32) -> i64 {
+    counts >> shift << shift
 }
 
 pub(super) const fn wire_steps(position: Position) -> i64 {
@@ -166,6 +208,8 @@ impl Command {
             Self::HostHeartbeat { .. } => Function::HostHeartbeat,
             Self::Control { .. } => Function::Control,
             Self::TrapezoidShape { .. } => Function::TrapezoidShape,
+            Self::RampLimits { .. } => Function::RampLimits,
+            Self::PeakLimits { .. } => Function::PeakLimits,
             Self::Move {
                 profile, staged, ..
             } => match (profile, staged) {
@@ -173,6 +217,8 @@ impl Command {
                 (ProfileKind::Trapezoid, false) => Function::MoveTrapezoid,
                 (ProfileKind::Beta, true) => Function::StageBeta,
                 (ProfileKind::Trapezoid, true) => Function::StageTrapezoid,
+                (ProfileKind::SCurve, false) => Function::MoveSCurve,
+                (ProfileKind::SCurve, true) => Function::StageSCurve,
             },
             Self::IdentityRequest => Function::IdentityRequest,
         }
@@ -220,6 +266,28 @@ impl Command {
                 .put(&trapezoid_shape::ACCELERATION, acceleration.0.into())
                 .put(&trapezoid_shape::DECELERATION, deceleration.0.into())
                 .put(&trapezoid_shape::SEQUENCE, sequence.into()),
+            Self::RampLimits {
+                acceleration,
+                deceleration,
+                sequence,
+            } => {
+                let steps = |value: Acceleration| value.counts() >> ACCELERATION_SHIFT;
+                empty
+                    .put(&ramp_limits::ACCELERATION, steps(acceleration))
+                    .put(&ramp_limits::DECELERATION, steps(deceleration))
+                    .put(&ramp_limits::SEQUENCE, sequence.into())
+            }
+            Self::PeakLimits {
+                velocity,
+                jerk,
+                sequence,
+            } => empty
+                .put(
+                    &peak_limits::VELOCITY,
+                    velocity.counts() >> VELOCITY_LIMIT_SHIFT,
+                )
+                .put(&peak_limits::JERK, jerk.counts() >> JERK_SHIFT)
+                .put(&peak_limits::SEQUENCE, sequence.into()),
             Self::Move {
                 target,
                 duration,
@@ -291,10 +359,29 @@ impl Command {
                 deceleration: ticks(&trapezoid_shape::DECELERATION),
                 sequence: byte(&trapezoid_shape::SEQUENCE),
             },
+            Function::RampLimits => {
+                let limit = |field: &Field| {
+                    Acceleration::from_counts(field.get(word) << ACCELERATION_SHIFT)
+                };
+                Self::RampLimits {
+                    acceleration: limit(&ramp_limits::ACCELERATION),
+                    deceleration: limit(&ramp_limits::DECELERATION),
+                    sequence: byte(&ramp_limits::SEQUENCE),
+                }
+            }
+            Function::PeakLimits => Self::PeakLimits {
+                velocity: Velocity::from_counts(
+                    peak_limits::VELOCITY.get(word) << VELOCITY_LIMIT_SHIFT,
+                ),
+                jerk: Jerk::from_counts(peak_limits::JERK.get(word) << JERK_SHIFT),
+                sequence: byte(&peak_limits::SEQUENCE),
+            },
             Function::MoveBeta => moved(ProfileKind::Beta, false),
             Function::MoveTrapezoid => moved(ProfileKind::Trapezoid, false),
+            Function::MoveSCurve => moved(ProfileKind::SCurve, false),
             Function::StageBeta => moved(ProfileKind::Beta, true),
             Function::StageTrapezoid => moved(ProfileKind::Trapezoid, true),
+            Function::StageSCurve => moved(ProfileKind::SCurve, true),
             Function::IdentityRequest => Self::IdentityRequest,
             Function::Acknowledgement
             | Function::Started

@@ -33,10 +33,18 @@ pub enum Function {
     MoveBeta = 8,
     /// Move along a trapezoid, now.
     MoveTrapezoid = 9,
+    /// Move along a jerk-limited s-curve, now.
+    MoveSCurve = 10,
+    /// The largest acceleration and deceleration of the next s-curve.
+    RampLimits = 11,
     /// Move along a beta S-curve, at the trigger.
     StageBeta = 12,
     /// Move along a trapezoid, at the trigger.
     StageTrapezoid = 13,
+    /// Move along a jerk-limited s-curve, at the trigger.
+    StageSCurve = 14,
+    /// The largest velocity and jerk of the next s-curve.
+    PeakLimits = 15,
     /// The answer to a command.
     Acknowledgement = 16,
     /// When a move began.

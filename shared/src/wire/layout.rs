@@ -159,6 +159,19 @@ pub const VELOCITY_FACTOR: f64 = 1.0 / (1u64 << 14) as f64;
 /// Bits that a velocity in counts/s loses on the wire.
 pub const VELOCITY_SHIFT: u32 = 32 - 14;
 
+/// Accelerations on the wire are in steps of 2^-10 turn/s^2 (6.1 mrad/s^2): 28 bits hold 2^18 turn/s^2.
+pub const ACCELERATION_FACTOR: f64 = 1.0 / (1u64 << 10) as f64;
+/// Bits that an acceleration in counts/s^2 loses on the wire.
+pub const ACCELERATION_SHIFT: u32 = 32 - 10;
+/// Velocity limits on the wire are in steps of 2^-13 turn/s (0.77 mrad/s): 24 bits hold 2048 turn/s.
+pub const VELOCITY_LIMIT_FACTOR: f64 = 1.0 / (1u64 << 13) as f64;
+/// Bits that a velocity limit in counts/s loses on the wire.
+pub const VELOCITY_LIMIT_SHIFT: u32 = 32 - 13;
+/// Jerks on the wire are in steps of 2^-4 turn/s^3 (0.39 rad/s^3): 32 bits hold 2^28 turn/s^3.
+pub const JERK_FACTOR: f64 = 1.0 / (1u64 << 4) as f64;
+/// Bits that a jerk in counts/s^3 loses on the wire.
+pub const JERK_SHIFT: u32 = 32 - 4;
+
 const TICK: f64 = 1e-3;
 const MICROSECOND: f64 = 1e-6;
 
@@ -204,6 +217,18 @@ fields! {
     trapezoid_shape {
         ACCELERATION = Field::unsigned("acceleration", 0, 22).unit(TICK, "s");
         DECELERATION = Field::unsigned("deceleration", 22, 22).unit(TICK, "s");
+        SEQUENCE = Field::unsigned("sequence", 56, 8);
+    }
+    /// Ramp limits.
+    ramp_limits {
+        ACCELERATION = Field::unsigned("acceleration", 0, 28).unit(ACCELERATION_FACTOR, "turn/s^2");
+        DECELERATION = Field::unsigned("deceleration", 28, 28).unit(ACCELERATION_FACTOR, "turn/s^2");
+        SEQUENCE = Field::unsigned("sequence", 56, 8);
+    }
+    /// Peak limits.
+    peak_limits {
+        VELOCITY = Field::unsigned("velocity", 0, 24).unit(VELOCITY_LIMIT_FACTOR, "turn/s");
+        JERK = Field::unsigned("jerk", 24, 32).unit(JERK_FACTOR, "turn/s^3");
         SEQUENCE = Field::unsigned("sequence", 56, 8);
     }
     /// Every plain move, at once or staged.
@@ -285,7 +310,7 @@ const fn layout(
 }
 
 /// Every frame of the protocol, in the order of priority.
-pub const LAYOUTS: [Layout; 18] = {
+pub const LAYOUTS: [Layout; 22] = {
     use Addressing::{All, Any, One};
     use Sender::{Host, Node};
     [
@@ -298,8 +323,12 @@ pub const LAYOUTS: [Layout; 18] = {
         layout(Function::TrapezoidShape, Host, One, trapezoid_shape::FIELDS),
         layout(Function::MoveBeta, Host, One, plain_move::FIELDS),
         layout(Function::MoveTrapezoid, Host, One, plain_move::FIELDS),
+        layout(Function::MoveSCurve, Host, One, plain_move::FIELDS),
+        layout(Function::RampLimits, Host, One, ramp_limits::FIELDS),
         layout(Function::StageBeta, Host, One, plain_move::FIELDS),
         layout(Function::StageTrapezoid, Host, One, plain_move::FIELDS),
+        layout(Function::StageSCurve, Host, One, plain_move::FIELDS),
+        layout(Function::PeakLimits, Host, One, peak_limits::FIELDS),
         layout(
             Function::Acknowledgement,
             Node,

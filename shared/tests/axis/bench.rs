@@ -1,5 +1,6 @@
 //! One axis on a bench: its drive, a host that beats, and an eye on every setpoint.
 
+use super::planner::Planner;
 use canter_shared::axis::state::State;
 use canter_shared::axis::{Axis, Outcome};
 use canter_shared::drive::simulated::Simulated;
@@ -115,6 +116,8 @@ pub struct Answer {
 /// An axis, its drive and its host.
 pub struct Bench {
     pub axis: Axis,
+    /// Plans at once unless a test says otherwise.
+    pub planner: Planner,
     pub drive: Simulated,
     /// What the drive claims to be instead of what it is.
     pub condition: Option<Condition>,
@@ -136,6 +139,7 @@ impl Bench {
     pub fn new(limits: Limits, position: f64) -> Self {
         Self {
             axis: Axis::new(AXIS, limits),
+            planner: Planner::default(),
             drive: Simulated::new(turns(position)),
             condition: None,
             heard: true,
@@ -186,9 +190,11 @@ impl Bench {
         self.drive.command(Tick(self.tick), self.command);
         self.check(last);
         self.before = self.axis.state();
+        self.planner.act(&mut self.axis);
         if self.beats && self.tick.is_multiple_of(50) {
             let beat = Command::HostHeartbeat { session: SESSION };
-            assert_eq!(self.handle(&frame(beat)), Outcome::Accepted);
+            let outcome = self.axis.handle_frame(self.now(), &frame(beat));
+            assert_eq!(outcome, Outcome::Accepted);
         }
         self.drain();
     }
@@ -232,11 +238,15 @@ impl Bench {
         }
     }
 
-    /// A frame from the bus.
+    /// A frame from the bus; where it is planned at once, what then became of it.
     pub fn handle(&mut self, frame: &Frame) -> Outcome {
         let outcome = self.axis.handle_frame(self.now(), frame);
+        let planned = self.planner.act(&mut self.axis);
         self.drain();
-        outcome
+        match planned {
+            Some(planned) if outcome == Outcome::Planning => planned,
+            _ => outcome,
+        }
     }
 
     /// A command as it stands.
@@ -287,7 +297,8 @@ impl Bench {
         })
     }
 
-    fn drain(&mut self) {
+    /// Takes what the axis has to say.
+    pub fn drain(&mut self) {
         while let Some(frame) = self.axis.poll_transmit() {
             if let Ok(Some((axis, report))) = Report::decode(&frame) {
                 assert_eq!(axis, AXIS);

@@ -114,6 +114,7 @@ impl<D: Drive> NodeBench<D> {
             } else {
                 break;
             }
+            self.node.plan();
             while self.node.poll_transmit(LocalTime(self.now)).is_some() {}
         }
         self.now = end;
@@ -121,6 +122,7 @@ impl<D: Drive> NodeBench<D> {
 
     pub fn send(&mut self, command: Command) {
         self.node.handle_frame(LocalTime(self.now), &frame(command));
+        self.node.plan();
     }
 
     /// A SYNC that says what bus time it is.

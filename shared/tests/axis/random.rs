@@ -1,7 +1,9 @@
 //! Whatever frames arrive: random commands, plausible and wild, doubled, out of order, and raw
-//! bytes, with a drive and a host that come and go. The bench holds every setpoint to the promise.
+//! bytes, with a drive and a host that come and go, and a planner that is late or loses plans. The
+//! bench holds every setpoint to the promise, and every command is answered once.
 
 use super::bench::{AXIS, Bench, OTHER, SESSION, frame, turns};
+use super::planner::Planner;
 use canter_shared::axis::Outcome;
 use canter_shared::axis::state::State;
 use canter_shared::drive::Condition;
@@ -9,11 +11,14 @@ use canter_shared::drive::simulated::Simulated;
 use canter_shared::limits::{LimitValues, Limits};
 use canter_shared::motion::beta::Beta;
 use canter_shared::time::{Tick, Ticks};
-use canter_shared::units::Position;
+use canter_shared::units::{Acceleration, Jerk, Position, Velocity};
 use canter_shared::wire::command::{Action, Command, ProfileKind, Session};
 use canter_shared::wire::frame::Frame;
 use canter_shared::wire::id::Address;
+use canter_shared::wire::report::Report;
 use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::TestRunner;
 use std::f64::consts::TAU;
 
 /// How long a move is to last.
@@ -52,6 +57,8 @@ enum Step {
         ahead: i64,
     },
     Shape(u32, u32, u8),
+    Ramps(f64, f64, u8),
+    Peaks(f64, f64, u8),
     Control(Action, Session, u8),
     Stop(u8),
     EmergencyStop,
@@ -68,7 +75,11 @@ enum Step {
 }
 
 fn profile() -> impl Strategy<Value = ProfileKind> {
-    prop_oneof![Just(ProfileKind::Beta), Just(ProfileKind::Trapezoid)]
+    prop_oneof![
+        Just(ProfileKind::Beta),
+        Just(ProfileKind::Trapezoid),
+        Just(ProfileKind::SCurve),
+    ]
 }
 
 fn session() -> impl Strategy<Value = Session> {
@@ -126,6 +137,7 @@ fn condition() -> impl Strategy<Value = Option<Condition>> {
 fn step() -> impl Strategy<Value = Step> {
     prop_oneof![
         10 => (1u64..60).prop_map(Step::Run),
+        3 => (1u64..4).prop_map(Step::Run),
         1 => (60u64..400).prop_map(Step::Run),
         3 => Just(Step::Recover),
         14 => movement(),
@@ -133,6 +145,8 @@ fn step() -> impl Strategy<Value = Step> {
         1 => (session(), any::<i32>())
             .prop_map(|(session, ahead)| Step::Trigger { session, ahead: ahead.into() }),
         2 => (1u32..200, 1u32..200, ahead()).prop_map(|(a, d, n)| Step::Shape(a, d, n)),
+        1 => (1.0..400.0f64, 1.0..400.0f64, ahead()).prop_map(|(a, d, n)| Step::Ramps(a, d, n)),
+        1 => (0.5..30.0f64, 100.0..40_000.0f64, ahead()).prop_map(|(v, j, n)| Step::Peaks(v, j, n)),
         2 => (action(), session(), ahead()).prop_map(|(a, s, n)| Step::Control(a, s, n)),
         2 => any::<u8>().prop_map(Step::Stop),
         1 => Just(Step::EmergencyStop),
@@ -172,6 +186,9 @@ struct Run {
     bench: Bench,
     frames: Vec<Frame>,
     group: u8,
+    /// Answers that the commands so far are owed, and those given again to repetitions.
+    owed: usize,
+    repeated: usize,
     /// Ticks in motion: a test that never moves proves nothing.
     moved: u64,
 }
@@ -180,7 +197,43 @@ impl Run {
     fn send(&mut self, command: Command) {
         let frame = frame(command);
         self.frames.push(frame);
-        let _: Outcome = self.bench.handle(&frame);
+        self.handle(&frame);
+    }
+
+    fn handle(&mut self, frame: &Frame) {
+        let before = self.answers();
+        let outcome = self.bench.axis.handle_frame(self.bench.now(), frame);
+        self.bench.drain();
+        let answered = matches!(
+            Command::decode(frame),
+            Ok(Some((
+                _,
+                Command::Stop { .. }
+                    | Command::Control { .. }
+                    | Command::TrapezoidShape { .. }
+                    | Command::RampLimits { .. }
+                    | Command::PeakLimits { .. }
+            )))
+        );
+        match outcome {
+            Outcome::Planning | Outcome::Rejected(_) => self.owed += 1,
+            Outcome::Accepted if answered => self.owed += 1,
+            // At most once: what is still being planned is answered then.
+            Outcome::Repeated => {
+                let again = self.answers() - before;
+                assert!(again <= 1);
+                self.repeated += again;
+            }
+            Outcome::Accepted | Outcome::Ignored => {}
+        }
+        self.bench.planner.act(&mut self.bench.axis);
+        self.bench.drain();
+    }
+
+    /// Answers so far.
+    fn answers(&self) -> usize {
+        let answer = |report: &&Report| matches!(report, Report::Acknowledgement { .. });
+        self.bench.reports.iter().filter(answer).count()
     }
 
     fn number(&mut self, ahead: u8) -> u8 {
@@ -276,6 +329,23 @@ impl Run {
                     sequence,
                 });
             }
+            Step::Ramps(acceleration, deceleration, ahead) => {
+                let sequence = self.number(ahead);
+                let limit = |value| Acceleration::from_radians(value).expect("in range");
+                self.send(Command::RampLimits {
+                    acceleration: limit(acceleration),
+                    deceleration: limit(deceleration),
+                    sequence,
+                });
+            }
+            Step::Peaks(velocity, jerk, ahead) => {
+                let sequence = self.number(ahead);
+                self.send(Command::PeakLimits {
+                    velocity: Velocity::from_radians(velocity).expect("in range"),
+                    jerk: Jerk::from_radians(jerk).expect("in range"),
+                    sequence,
+                });
+            }
             Step::Control(action, session, ahead) => self.control(action, session, ahead),
             Step::Stop(sequence) => self.send(Command::Stop { sequence }),
             Step::EmergencyStop => self.send(Command::EmergencyStop),
@@ -284,19 +354,19 @@ impl Run {
             Step::Again(back) => {
                 let frame = self.frames.iter().rev().nth(back).copied();
                 if let Some(frame) = frame {
-                    let _: Outcome = self.bench.handle(&frame);
+                    self.handle(&frame);
                 }
             }
             Step::Raw(id, data) => {
                 let frame = Frame::new(id, &data).expect("a frame");
-                let _: Outcome = self.bench.handle(&frame);
+                self.handle(&frame);
             }
             Step::Forged(function, data) => {
                 let axis = u16::from(AXIS.get());
                 for length in [2, 4, 8] {
                     let id = function << 6 | axis;
                     let frame = Frame::new(id, &data[..length]).expect("a frame");
-                    let _: Outcome = self.bench.handle(&frame);
+                    self.handle(&frame);
                 }
             }
             Step::Drive(condition) => self.bench.condition = condition,
@@ -311,13 +381,32 @@ impl Run {
     }
 }
 
-fn run(limits: Limits, place: f64, steps: Vec<Step>) -> Run {
+/// Plans at once, or with frames and ticks between taking a plan and bringing it back.
+fn planner() -> impl Strategy<Value = Planner> {
+    let delay = prop_oneof![
+        10 => (0u8..4).prop_map(Some),
+        3 => (0u8..20).prop_map(Some),
+        1 => any::<u8>().prop_map(Some),
+        1 => Just(None),
+    ];
+    let delays = prop_oneof![
+        1 => Just(Vec::new()),
+        2 => prop::collection::vec(delay, 1..20),
+    ];
+    let lead = prop_oneof![3 => 0u32..4, 1 => 0u32..300];
+    (lead, delays).prop_map(|(lead, delays)| Planner::erratic(lead, delays))
+}
+
+fn run(limits: Limits, place: f64, planner: Planner, steps: Vec<Step>) -> Run {
     let mut run = Run {
         bench: Bench::new(limits, place),
         frames: Vec::new(),
         group: 0,
+        owed: 0,
+        repeated: 0,
         moved: 0,
     };
+    run.bench.planner = planner;
     run.run(5);
     run.take(Step::Recover);
     for step in steps {
@@ -325,7 +414,7 @@ fn run(limits: Limits, place: f64, steps: Vec<Step>) -> Run {
     }
     // In the end an emergency stop brings everything to rest, and nothing moves again.
     let stop = Command::EmergencyStop.encode(Address::All).expect("fits");
-    let _: Outcome = run.bench.handle(&stop);
+    run.handle(&stop);
     let mut left = 200_000;
     while run.bench.axis.state() != State::Fault && left > 0 {
         run.bench.step();
@@ -333,6 +422,7 @@ fn run(limits: Limits, place: f64, steps: Vec<Step>) -> Run {
     }
     assert_eq!(run.bench.axis.state(), State::Fault);
     run.bench.stays(100);
+    assert_eq!(run.answers(), run.owed + run.repeated);
     run
 }
 
@@ -343,8 +433,32 @@ proptest! {
     fn no_frames_make_a_setpoint_leave_its_limits(
         limits in limits(),
         place in -20.0..20.0f64,
+        planner in planner(),
         steps in prop::collection::vec(step(), 1..60),
     ) {
-        run(limits, place, steps);
+        run(limits, place, planner, steps);
     }
+}
+
+/// A test that never moves, or whose plans are never late, proves nothing.
+#[test]
+fn the_random_frames_move_the_axis_and_their_plans_are_late() {
+    let mut runner = TestRunner::deterministic();
+    let (mut moved, mut outcomes) = (0, Vec::new());
+    for _ in 0..300 {
+        let steps = prop::collection::vec(step(), 1..60);
+        let case = (limits(), -20.0..20.0f64, planner(), steps).new_tree(&mut runner);
+        let (limits, place, planner, steps) = case.expect("a case").current();
+        let run = run(limits, place, planner, steps);
+        moved += run.moved;
+        outcomes.extend(run.bench.planner.outcomes);
+    }
+    let count = |wanted: fn(&Outcome) -> bool| outcomes.iter().filter(|o| wanted(o)).count();
+    let accepted = count(|outcome| *outcome == Outcome::Accepted);
+    let late = count(|outcome| *outcome == Outcome::Planning);
+    let overtaken = count(|outcome| *outcome == Outcome::Ignored);
+    assert!(moved > 10_000, "{moved}");
+    assert!(accepted > 300, "{accepted}");
+    assert!(late > 50, "{late}");
+    assert!(overtaken > 50, "{overtaken}");
 }

@@ -72,7 +72,8 @@ fn started_comes_through_a_full_queue() {
     let (mut axis, mut drive) = enabled();
     flood(&mut axis);
     let outcome = axis.handle_frame(BusTime(20_000), &frame(beta(3, 1.0, 1_000)));
-    assert_eq!(outcome, Outcome::Accepted);
+    assert_eq!(outcome, Outcome::Planning);
+    assert_eq!(axis.plan(), Some(Outcome::Accepted));
     step(&mut axis, &mut drive, 21);
     let reports = drain(&mut axis);
     let started = Report::Started {

@@ -35,20 +35,29 @@ fn any_u32() -> impl Strategy<Value = u32> {
 
 /// Any limits that there can be: each value on a logarithmic scale over its range.
 fn any_limits() -> impl Strategy<Value = Limits> {
-    (-4.0..4.0f64, -4.0..6.0f64, -4.0..6.0f64, -4.0..9.0f64, -6000.0..6000.0f64, 0.0..2000.0f64)
-        .prop_map(|(velocity, acceleration, deceleration, jerk, minimum, travel)| {
-            let rate = |exponent: f64| 10f64.powf(exponent).max(1e-4);
-            let maximum = (minimum + travel).min(6_280.0);
-            Limits::new(&LimitValues {
-                velocity: rate(velocity).min(1e4),
-                acceleration: rate(acceleration).min(1e6),
-                deceleration: rate(deceleration).min(1e6),
-                jerk: rate(jerk).min(1e9),
-                position_minimum: minimum,
-                position_maximum: maximum,
-            })
-            .expect("in range")
-        })
+    (
+        -4.0..4.0f64,
+        -4.0..6.0f64,
+        -4.0..6.0f64,
+        -4.0..9.0f64,
+        -6000.0..6000.0f64,
+        0.0..2000.0f64,
+    )
+        .prop_map(
+            |(velocity, acceleration, deceleration, jerk, minimum, travel)| {
+                let rate = |exponent: f64| 10f64.powf(exponent).max(1e-4);
+                let maximum = (minimum + travel).min(6_280.0);
+                Limits::new(&LimitValues {
+                    velocity: rate(velocity).min(1e4),
+                    acceleration: rate(acceleration).min(1e6),
+                    deceleration: rate(deceleration).min(1e6),
+                    jerk: rate(jerk).min(1e9),
+                    position_minimum: minimum,
+                    position_maximum: maximum,
+                })
+                .expect("in range")
+            },
+        )
 }
 
 proptest! {

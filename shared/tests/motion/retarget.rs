@@ -24,4 +24,3 @@ fn a_quick_retarget_is_laid_over_and_does_not_wait_for_a_stop() {
         .expect("well inside the limits");
     assert_eq!((planned.start, planned.end), (Tick(400), Tick(1_400)));
 }
-

@@ -97,7 +97,12 @@ fn play(limits: Limits, steps: Vec<Step>, travel_first: bool) -> Result<(), Test
                 }
                 prop_assert_eq!(motion.target(), before);
             }
-            What::Move { profile, target: part, slower, later } => {
+            What::Move {
+                profile,
+                target: part,
+                slower,
+                later,
+            } => {
                 let span = (greatest - least).counts() as f64;
                 // So far at most that a test ends some day.
                 let reach = (limits.velocity().radians() * 2.0 * COUNTS_PER_RADIAN).min(span / 2.0);

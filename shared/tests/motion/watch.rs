@@ -87,13 +87,16 @@ impl Watch {
             limits.acceleration()
         };
         let strongest = counts(limit.counts()).max(self.strongest);
-        prop_assert!(acceleration.abs() <= strongest, "acceleration {now:?} after {last:?}");
+        prop_assert!(
+            acceleration.abs() <= strongest,
+            "acceleration {now:?} after {last:?}"
+        );
         prop_assert!(limits.allow(now.position), "travel {now:?} after {last:?}");
 
         // Position, velocity and acceleration belong together: the trapezium rule's error is the
         // third (second, where the acceleration steps) derivative's share of a tick.
-        let most = counts(limits.acceleration().max(limits.deceleration()).counts())
-            .max(self.strongest);
+        let most =
+            counts(limits.acceleration().max(limits.deceleration()).counts()).max(self.strongest);
         let bend = if self.steps || self.travel_first {
             most * TICK * TICK / 2.0
         } else {
@@ -101,17 +104,30 @@ impl Watch {
         };
         let moved = counts((now.position - last.position).counts());
         let mean = (velocity + counts(last.velocity.counts())) / 2.0;
-        prop_assert!((moved - mean * TICK).abs() <= bend + 2.0, "moved {now:?} after {last:?}");
+        prop_assert!(
+            (moved - mean * TICK).abs() <= bend + 2.0,
+            "moved {now:?} after {last:?}"
+        );
         let change = velocity - counts(last.velocity.counts());
-        prop_assert!(change.abs() <= most * TICK + ROUNDING, "step {now:?} after {last:?}");
+        prop_assert!(
+            change.abs() <= most * TICK + ROUNDING,
+            "step {now:?} after {last:?}"
+        );
         if !self.steps && !self.travel_first {
             let change = acceleration - counts(last.acceleration.counts());
             let allowed = jerk * TICK * (1.0 + 1e-6) + ROUNDING;
-            prop_assert!(change.abs() <= allowed, "jerk {now:?} after {last:?}: {}", change / allowed);
+            prop_assert!(
+                change.abs() <= allowed,
+                "jerk {now:?} after {last:?}: {}",
+                change / allowed
+            );
             let mean = (acceleration + counts(last.acceleration.counts())) / 2.0;
             let change = velocity - counts(last.velocity.counts());
             let bend = jerk * TICK * TICK / 2.0 + 8.0;
-            prop_assert!((change - mean * TICK).abs() <= bend, "rates {now:?} after {last:?}");
+            prop_assert!(
+                (change - mean * TICK).abs() <= bend,
+                "rates {now:?} after {last:?}"
+            );
         }
         self.strongest = (self.strongest - jerk * TICK * 0.99).max(0.0);
         self.last = now;

@@ -56,6 +56,7 @@ pub fn play() -> Outcome {
         for (setpoint, last) in player.node.tick(now).iter().zip(&mut last) {
             outcome.add(setpoint, last);
         }
+        player.node.plan();
         while let Some(frame) = player.node.poll_transmit(now) {
             outcome.hear(&frame);
         }
@@ -243,6 +244,7 @@ impl Player {
     fn say(&mut self, now: LocalTime, address: Address, command: Command) {
         if let Ok(frame) = command.encode(address) {
             self.node.handle_frame(now, &frame);
+            self.node.plan();
         }
     }
 

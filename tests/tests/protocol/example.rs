@@ -75,6 +75,7 @@ impl Bench {
     fn send(&mut self, frame: &Frame) {
         let now = LocalTime(self.milliseconds * MICROSECONDS_PER_TICK);
         self.node.handle_frame(now, frame);
+        self.node.plan();
         self.listen(now);
     }
 
@@ -90,6 +91,7 @@ impl Bench {
             let now = LocalTime(self.milliseconds * MICROSECONDS_PER_TICK);
             while self.node.next_tick() <= now {
                 self.node.tick(now);
+                self.node.plan();
             }
             self.listen(now);
             if let Some(beat) = self.beat.filter(|_| self.milliseconds.is_multiple_of(100)) {

@@ -2,7 +2,7 @@
 
 use canter::dbc::message_name;
 use canter_shared::time::{BusTime, Tick, Ticks};
-use canter_shared::units::{Position, Velocity};
+use canter_shared::units::{Acceleration, Jerk, Position, Velocity};
 use canter_shared::wire::ProtocolVersion;
 use canter_shared::wire::command::{Action, Command, ProfileKind};
 use canter_shared::wire::frame::Frame;
@@ -133,6 +133,12 @@ fn said() -> Vec<Said> {
         }),
         moves(ProfileKind::Beta, false, TURN / 4, 1_000, 3),
         moves(ProfileKind::Trapezoid, false, -TURN * 3 / 2, 2_000, 12),
+        moves(ProfileKind::SCurve, false, TURN * 3 / 2, 500, 14),
+        axis(Command::RampLimits {
+            acceleration: Acceleration::from_counts(20 * TURN),
+            deceleration: Acceleration::from_counts(10 * TURN),
+            sequence: 15,
+        }),
         moves(
             ProfileKind::Beta,
             true,
@@ -141,6 +147,12 @@ fn said() -> Vec<Said> {
             4,
         ),
         moves(ProfileKind::Trapezoid, true, -STEP, 3, 4),
+        moves(ProfileKind::SCurve, true, -TURN / 2, 1_500, 17),
+        axis(Command::PeakLimits {
+            velocity: Velocity::from_counts(2 * TURN),
+            jerk: Jerk::from_counts(2_000 * TURN),
+            sequence: 16,
+        }),
         answer(1, Function::Control, Reason::Accepted, 0),
         answer(2, Function::Control, Reason::Accepted, 0),
         answer(3, Function::MoveBeta, Reason::Accepted, 1_000),
@@ -179,7 +191,7 @@ fn said() -> Vec<Said> {
         }),
         all(Command::IdentityRequest),
         Said::Node(Report::Identity(IdentityPart::Version {
-            protocol: ProtocolVersion { major: 1, minor: 0 },
+            protocol: ProtocolVersion { major: 1, minor: 1 },
             board: 16,
             firmware: [0, 1, 2],
         })),

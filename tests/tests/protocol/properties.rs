@@ -1,12 +1,15 @@
 //! What holds for all frames, not only for golden ones.
 
 use canter_shared::time::{BusTime, Tick, Ticks};
-use canter_shared::units::{Position, Velocity};
+use canter_shared::units::{Acceleration, Jerk, Position, Velocity};
 use canter_shared::wire::ProtocolVersion;
 use canter_shared::wire::command::{Action, Command, ProfileKind, wire_position};
 use canter_shared::wire::frame::Frame;
 use canter_shared::wire::id::{Address, AxisId, split};
-use canter_shared::wire::layout::{Addressing, LAYOUTS, Layout, POSITION_SHIFT};
+use canter_shared::wire::layout::{
+    ACCELERATION_SHIFT, Addressing, JERK_SHIFT, LAYOUTS, Layout, POSITION_SHIFT,
+    VELOCITY_LIMIT_SHIFT,
+};
 use canter_shared::wire::reason::Reason;
 use canter_shared::wire::report::{IdentityPart, Report};
 use proptest::prelude::*;
@@ -46,6 +49,12 @@ fn any_position() -> impl Strategy<Value = Position> {
     .prop_map(Position::from_counts)
 }
 
+/// A limit in steps of the wire, of this many bits.
+fn any_limit(bits: u32) -> impl Strategy<Value = i64> {
+    let edge = 1i64 << bits;
+    prop_oneof![Just(0), Just(1), Just(edge - 1), 0..edge]
+}
+
 fn any_command() -> impl Strategy<Value = Command> {
     let ticks = || (0u32..1 << 22).prop_map(Ticks);
     prop_oneof![
@@ -78,8 +87,28 @@ fn any_command() -> impl Strategy<Value = Command> {
                 sequence,
             }
         }),
+        (any_limit(28), any_limit(28), any::<u8>()).prop_map(
+            |(acceleration, deceleration, sequence)| Command::RampLimits {
+                acceleration: Acceleration::from_counts(acceleration << ACCELERATION_SHIFT),
+                deceleration: Acceleration::from_counts(deceleration << ACCELERATION_SHIFT),
+                sequence,
+            }
+        ),
+        (any_limit(24), any_limit(32), any::<u8>()).prop_map(|(velocity, jerk, sequence)| {
+            Command::PeakLimits {
+                velocity: Velocity::from_counts(velocity << VELOCITY_LIMIT_SHIFT),
+                jerk: Jerk::from_counts(jerk << JERK_SHIFT),
+                sequence,
+            }
+        }),
         (
-            select(&[ProfileKind::Beta, ProfileKind::Trapezoid][..]),
+            select(
+                &[
+                    ProfileKind::Beta,
+                    ProfileKind::Trapezoid,
+                    ProfileKind::SCurve
+                ][..]
+            ),
             any::<bool>(),
             any_position(),
             ticks(),

@@ -140,6 +140,8 @@ pub enum ProfileArgument {
     Beta,
     /// Constant acceleration, cruise, constant deceleration.
     Trapezoid,
+    /// The quickest that keeps a limit of the jerk.
+    SCurve,
 }
 
 impl From<ProfileArgument> for ProfileKind {
@@ -147,6 +149,7 @@ impl From<ProfileArgument> for ProfileKind {
         match profile {
             ProfileArgument::Beta => Self::Beta,
             ProfileArgument::Trapezoid => Self::Trapezoid,
+            ProfileArgument::SCurve => Self::SCurve,
         }
     }
 }

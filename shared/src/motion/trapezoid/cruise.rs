@@ -66,8 +66,13 @@ pub(crate) fn to_rest(
     };
     let fall = cruise * down;
     let way = distance - 0.5 * (start + cruise) * rise - 0.5 * cruise * fall;
-    let level = if cruise > 0.0 { (way / cruise).max(0.0) } else { 0.0 };
-    let coasts = move |velocity: f64, acceleration: f64| Rates::new(sign * velocity, sign * acceleration);
+    let level = if cruise > 0.0 {
+        (way / cruise).max(0.0)
+    } else {
+        0.0
+    };
+    let coasts =
+        move |velocity: f64, acceleration: f64| Rates::new(sign * velocity, sign * acceleration);
     let against = bounds.deceleration();
     let mut ends = 0.0;
     [

@@ -30,6 +30,8 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 struct Forward {
     sign: f64,
     distance: f64,
+    /// The size of the positions, which carry rounding of theirs.
+    size: f64,
     start: f64,
     stop: f64,
 }
@@ -43,8 +45,8 @@ struct Phases {
 }
 
 impl Forward {
-    /// How much farther the move goes than the straight ramp from start to stop velocity, and the
-    /// magnitude that its rounding is a fraction of.
+    /// How much farther the move goes than the straight ramp from start to stop velocity, and what of
+    /// that may be rounding.
     fn beyond(&self, bounds: &Bounds) -> (f64, f64) {
         let rate = if self.stop > self.start {
             bounds.acceleration()
@@ -53,8 +55,14 @@ impl Forward {
         };
         let (start, stop) = (self.start * self.start, self.stop * self.stop);
         let straight = (stop - start) / (2.0 * rate);
-        let scale = self.distance.abs() + (stop + start) / (2.0 * rate.abs());
-        (self.distance - straight, scale)
+        // Equal velocities leave nothing to round.
+        let ramps = if straight == 0.0 {
+            0.0
+        } else {
+            (stop + start) / (2.0 * rate.abs())
+        };
+        let rounding = f64::EPSILON * self.size + ROUNDING * ramps;
+        (self.distance - straight, rounding)
     }
 
     /// The quickest phases that go `beyond` the straight ramp, which is not negative.
@@ -109,6 +117,7 @@ fn checked_ends(from: &Sample, to: &Sample, bounds: &Bounds) -> Result<Forward, 
     Ok(Forward {
         sign,
         distance: sign * distance,
+        size: start.abs() + stop.abs(),
         start: sign * start_velocity,
         stop: sign * stop_velocity,
     })
@@ -116,8 +125,8 @@ fn checked_ends(from: &Sample, to: &Sample, bounds: &Bounds) -> Result<Forward, 
 
 /// `beyond`, or why start or stop velocity rule the move out.
 fn reachable(forward: &Forward, bounds: &Bounds) -> Result<f64, ProfileError> {
-    let (beyond, scale) = forward.beyond(bounds);
-    if beyond >= -ROUNDING * scale {
+    let (beyond, rounding) = forward.beyond(bounds);
+    if beyond >= -rounding {
         return Ok(beyond.max(0.0));
     }
     let Forward {
@@ -125,6 +134,7 @@ fn reachable(forward: &Forward, bounds: &Bounds) -> Result<f64, ProfileError> {
         distance,
         start,
         stop,
+        ..
     } = *forward;
     // v^2 = v0^2 + 2 a R
     let after =
@@ -207,6 +217,7 @@ fn approach(from: Sample, target: f64, bounds: &Bounds) -> Result<Approach, Prof
     let mut forward = Forward {
         sign,
         distance: sign * distance,
+        size: start.abs() + stop.abs(),
         start: sign * velocity,
         stop: 0.0,
     };
@@ -270,16 +281,21 @@ pub fn time_optimal(
     let seen = |sign: f64| Forward {
         sign,
         distance: sign * (stop - start),
+        size: start.abs() + stop.abs(),
         start: sign * start_velocity,
         stop: sign * stop_velocity,
     };
     let mut forward = seen(1.0);
-    let (mut beyond, _) = forward.beyond(up);
+    let (mut beyond, mut rounding) = forward.beyond(up);
     let mut bounds = up;
     if beyond < 0.0 {
         forward = seen(-1.0);
-        (beyond, _) = forward.beyond(down);
+        (beyond, rounding) = forward.beyond(down);
         bounds = down;
+    }
+    // With both velocities against the direction the least bit beyond is a long way round.
+    if forward.start < 0.0 && forward.stop < 0.0 && beyond <= rounding {
+        beyond = 0.0;
     }
     let builder = forward.slow_to_limit(builder, bounds);
     let phases = forward.quickest(beyond.max(0.0), bounds);

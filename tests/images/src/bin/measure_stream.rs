@@ -1,0 +1,138 @@
+//! Counts the instructions of streamed motion and of input shaping.
+#![no_std]
+#![no_main]
+
+use core::hint::black_box;
+use core::num::NonZeroU8;
+
+use canter_images::{count, finish, report};
+use canter_shared::limits::Limits;
+use canter_shared::motion::Setpoint;
+use canter_shared::motion::beta::Beta;
+use canter_shared::motion::shaping::{MOST_IMPULSES, Shaper, ShaperKind, Shaping};
+use canter_shared::motion::stream::{Knot, LOOK_AHEAD, Stream};
+use canter_shared::time::{Tick, Ticks};
+use canter_shared::units::{Acceleration, COUNTS_PER_TURN, Position, Velocity};
+use cortex_m_rt::entry;
+
+#[entry]
+fn main() -> ! {
+    measure_stream();
+    measure_shaping();
+    finish()
+}
+
+fn knot(state: Setpoint, quintic: bool) -> Knot {
+    Knot {
+        position: state.position,
+        velocity: state.velocity,
+        acceleration: quintic.then_some(state.acceleration),
+    }
+}
+
+fn measure_stream() {
+    let limits = Limits::default();
+    let period = NonZeroU8::MIN.saturating_add(19);
+    let range = Position::from_counts(3 * COUNTS_PER_TURN);
+    let motion = Beta::new(Tick(0), range, Ticks(4_000));
+    for (quintic, name) in [(false, "cubic"), (true, "quintic")] {
+        let mut stream = Stream::new(Tick(0), 0, motion.at(Tick(0)), period);
+        let (mut push, mut at) = (0, 0);
+        let mut now = Tick(0);
+        for number in 1..=200 {
+            let knot = knot(motion.at(Tick(20 * number)), quintic);
+            let stream = &mut stream;
+            let pushed = count(|| stream.push(now, number as u8, black_box(&knot), &limits));
+            push = push.max(pushed);
+            if number as usize >= LOOK_AHEAD {
+                // Of all the pieces that are held.
+                for later in 0..20 * LOOK_AHEAD as u32 {
+                    let tick = black_box(now.after(Ticks(later)));
+                    at = at.max(count(|| stream.at(tick)));
+                }
+                now = now.after(Ticks(20));
+            }
+        }
+        assert!(stream.ends() == Tick(4_000), "every knot was taken on");
+        report(format_args!("stream.{name}.at.most"), at);
+        report(format_args!("stream.{name}.push.most"), push);
+    }
+    measure_hostile_knots(&limits, period);
+    report("stream.bytes", size_of::<Stream>());
+}
+
+/// Numbers without order, the same in each run.
+struct Random(u64);
+
+impl Random {
+    /// A number from `-limit` to just below `limit`.
+    fn within(&mut self, limit: i64) -> i64 {
+        let Self(state) = self;
+        // Knuth's MMIX generator.
+        *state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        let high = (*state >> 33) as i64;
+        high % (2 * limit) - limit
+    }
+
+    /// Such a part of `full`, in thousandths.
+    fn part(&mut self, full: i64) -> i64 {
+        full / 1_000 * self.within(1_000)
+    }
+}
+
+/// Knots that come near the limits, and over them: those take longest to be looked at.
+fn measure_hostile_knots(limits: &Limits, period: NonZeroU8) {
+    let mut random = Random(1);
+    let (velocity, acceleration) = (limits.velocity().counts(), limits.acceleration().counts());
+    let (mut most, mut accepted) = (0, 0);
+    for _ in 0..20_000 {
+        let mut state = || Setpoint {
+            position: Position::ZERO,
+            velocity: Velocity::from_counts(random.part(velocity)),
+            acceleration: Acceleration::from_counts(random.part(acceleration)),
+        };
+        let (from, mut to) = (state(), state());
+        // 20 ms are a fiftieth of a second: half of the time a velocity that is within reach.
+        if random.within(1) < 0 {
+            let change = Velocity::from_counts(random.part(acceleration / 50));
+            to.velocity = from.velocity + change;
+        }
+        let mean = (from.velocity + to.velocity).counts() / 2;
+        // And a way that is near the one that the velocities ask for.
+        let bend = random.part(acceleration / 20_000);
+        to.position = Position::from_counts(mean / 50 + bend);
+        let mut stream = Stream::new(Tick(0), 0, from, period);
+        let (stream, knot) = (&mut stream, knot(to, true));
+        most = most.max(count(|| stream.push(Tick(0), 1, black_box(&knot), limits)));
+        accepted += u32::from(stream.ends() > Tick(0));
+    }
+    report("stream.hostile.accepted", accepted);
+    report("stream.hostile.push.most", most);
+}
+
+fn measure_shaping() {
+    // Half a period between two ticks, so that all the parts are there.
+    let Ok(shaping) = Shaping::new(ShaperKind::Ei, black_box(7.3), black_box(0.05)) else {
+        panic!("a shaper for 7.3 Hz can be made")
+    };
+    assert!(shaping.impulses_in_ticks().len() == MOST_IMPULSES);
+    let mut shaper = Shaper::none();
+    let change = count(|| shaper.change(Some(&shaping)));
+    let motion = Beta::new(
+        Tick(0),
+        Position::from_counts(-3 * COUNTS_PER_TURN),
+        Ticks(1_000),
+    );
+    let mut shape = 0;
+    for tick in 0..1_500 {
+        let setpoint = black_box(motion.at(Tick(tick)));
+        shape = shape.max(count(|| shaper.shape(setpoint)));
+    }
+    assert!(shaper.is_settled(), "the move has ended");
+    report("shaping.shape.most", shape);
+    report("shaping.change", change);
+    report("shaping.reset", count(|| shaper.reset(Position::ZERO)));
+    report("shaping.bytes", size_of::<Shaper>());
+}
