@@ -10,6 +10,9 @@ use super::phase::{Moment, Rates};
 use super::trajectory::Sample;
 use crate::time::Ticks;
 
+/// A change of velocity, a cruise, and a stop.
+const PIECES: usize = 7;
+
 /// Halvings of the bracket, or better, in f32.
 const STEPS: usize = 20;
 
@@ -166,62 +169,98 @@ fn clamped(velocity: f32, fastest: f32) -> f32 {
     }
 }
 
-/// The pieces from `from`, at place zero, to rest at `target` in `duration`, with one change of
-/// velocity to a cruise inside `bounds`. In turns.
-///
-/// The target must be beyond the place, in the direction `sign`, where a stop from here leads to.
-/// `speeding` is what the speed may rise with. `None` where the time is too short for a cruise.
-pub(crate) fn slower(
-    from: &Sample,
-    target: f64,
-    duration: Ticks,
+/// The way from a state, seen in one direction.
+pub(crate) struct Way {
+    wanted: Wanted<f64>,
     sign: f64,
-    speeding: f64,
-    bounds: &Bounds,
-) -> Option<impl Iterator<Item = Piece>> {
-    let wanted = Wanted {
-        velocity: sign * from.velocity,
-        acceleration: sign * from.acceleration,
-        target: sign * target,
-        duration: duration.seconds(),
-        strength: Strength {
-            rise: speeding,
-            fall: bounds.deceleration(),
-            jerk: bounds.jerk(),
-        },
-    };
-    let Tried {
-        change,
-        stop,
-        velocity,
-        cruise,
-        ..
-    } = wanted.solved(bounds.velocity())?;
-    let (change, stop) = if sign < 0.0 {
-        (change.mirrored(), stop.mirrored())
-    } else {
-        (change, stop)
-    };
-    let coasting = Rates::new(sign * velocity, 0.0);
-    let begins = change.duration() + cruise;
-    let coast = Piece {
-        ends: Moment::from_seconds(begins),
-        entry: coasting,
-        exit: coasting,
-    };
-    // The last piece ends on the tick, whatever the rounding of its parts.
-    let stop = stop
-        .pieces(begins)
-        .enumerate()
-        .map(move |(index, piece)| Piece {
-            ends: if index == 2 {
-                Moment::from_ticks(duration)
-            } else {
-                piece.ends
+    fastest: f64,
+}
+
+impl Way {
+    /// From `from`, at place zero, to rest at `target`, in turns.
+    ///
+    /// The target must be beyond the place, in the direction `sign`, where a stop from here leads
+    /// to. `speeding` is what the speed may rise with.
+    pub(crate) fn new(
+        from: &Sample,
+        target: f64,
+        sign: f64,
+        speeding: f64,
+        bounds: &Bounds,
+    ) -> Self {
+        let wanted = Wanted {
+            velocity: sign * from.velocity,
+            acceleration: sign * from.acceleration,
+            target: sign * target,
+            duration: 0.0,
+            strength: Strength {
+                rise: speeding,
+                fall: bounds.deceleration(),
+                jerk: bounds.jerk(),
             },
+        };
+        Self {
+            wanted,
+            sign,
+            fastest: bounds.velocity(),
+        }
+    }
+
+    /// The pieces that last for `duration`, with one change of velocity to a cruise inside the
+    /// limits. `None` where the time is too short for a cruise.
+    pub(crate) fn lasting(&self, duration: Ticks) -> Option<impl Iterator<Item = Piece>> {
+        let wanted = Wanted {
+            duration: duration.seconds(),
+            ..self.wanted
+        };
+        let tried = wanted.solved(self.fastest)?;
+        // The last piece ends on the tick, whatever the rounding of its parts.
+        let ends = Moment::from_ticks(duration);
+        let pieces = tried.pieces(self.sign).zip(1..);
+        Some(pieces.map(move |(piece, number)| Piece {
+            ends: if number == PIECES { ends } else { piece.ends },
             ..piece
-        });
-    Some(change.pieces(0.0).chain([coast]).chain(stop))
+        }))
+    }
+
+    /// The quickest pieces from above the velocity limit: down to it, a cruise, and a stop. `None`
+    /// from below it, and where the target is too near.
+    pub(crate) fn down_to_limit(&self) -> Option<impl Iterator<Item = Piece>> {
+        let Wanted {
+            velocity,
+            acceleration,
+            strength,
+            ..
+        } = self.wanted;
+        let taken = 0.5 * acceleration * acceleration.abs();
+        let jerk = strength.jerk;
+        if velocity <= self.fastest && jerk * velocity + taken <= jerk * self.fastest {
+            return None;
+        }
+        // Without any time the cruise is negative: what it goes back is what is missing.
+        let tried = self.wanted.with(self.fastest);
+        let cruise = tried.cruise - tried.beyond / self.fastest;
+        (cruise >= 0.0).then(|| Tried { cruise, ..tried }.pieces(self.sign))
+    }
+}
+
+impl Tried<f64> {
+    /// The change, the cruise and the stop, in the direction `sign`.
+    fn pieces(&self, sign: f64) -> impl Iterator<Item = Piece> + use<> {
+        let (change, stop) = if sign < 0.0 {
+            (self.change.mirrored(), self.stop.mirrored())
+        } else {
+            (self.change, self.stop)
+        };
+        let coasting = Rates::new(sign * self.velocity, 0.0);
+        let begins = change.duration() + self.cruise;
+        let coast = Piece {
+            ends: Moment::from_seconds(begins),
+            entry: coasting,
+            exit: coasting,
+        };
+        change.pieces(0.0).chain([coast]).chain(stop.pieces(begins))
+    }
 }
 
 #[cfg(test)]

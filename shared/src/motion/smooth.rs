@@ -5,7 +5,7 @@ use super::bounds::Bounds;
 use super::chain::{Chain, turns};
 use super::change::{Change, Strength};
 use super::s_curve::{self, SignedBounds};
-use super::slower::slower;
+use super::slower::Way;
 use super::trajectory::{Sample, Trajectory};
 use crate::limits::Limits;
 use crate::time::Ticks;
@@ -62,7 +62,8 @@ pub(crate) fn from_rest(
     let sign = 1.0f64.copysign(target);
     let rest = Sample::at_rest(0.0);
     let strong = bounds.acceleration();
-    if let Some(pieces) = slower(&rest, target, duration, sign, strong, &bounds) {
+    let way = Way::new(&rest, target, sign, strong, &bounds);
+    if let Some(pieces) = way.lasting(duration) {
         return chain.lay(pieces, Some(to)).ok_or(None);
     }
     let curve = s_curve::plan(rest, Sample::at_rest(target), &bounds).map_err(|_| None)?;
@@ -153,7 +154,11 @@ impl Commanded {
         }
         let sign = 1.0f64.copysign(beyond);
         let strong = speeding(sign, &from, &bounds);
-        if let Some(pieces) = slower(&from, distance, duration, sign, strong, &bounds) {
+        let way = Way::new(&from, distance, sign, strong, &bounds);
+        if let Some(pieces) = way.lasting(duration) {
+            return chain.lay(pieces, Some(to));
+        }
+        if let Some(pieces) = way.down_to_limit() {
             return chain.lay(pieces, Some(to));
         }
         let (greatest, least) = if sign < 0.0 {
