@@ -39,6 +39,9 @@ impl Motion {
     }
 
     /// Changes the target after a stop; the motion is as it was where that cannot be.
+    ///
+    /// Apart, so that the copy is on the stack only where it is needed.
+    #[inline(never)]
     fn stop_first(
         &mut self,
         now: Tick,
@@ -128,6 +131,9 @@ impl Motion {
     }
 
     /// Plans the move that waits for its start anew, where the axis rests until then.
+    ///
+    /// Apart, so that the copy is on the stack only where it is needed.
+    #[inline(never)]
     fn depart_anew(&mut self, now: Tick, limits: &Limits) -> Result<Option<Tick>, PlanError> {
         let mut settled = self.clone();
         settled.drop_pending(now);
@@ -198,6 +204,7 @@ struct Departure {
 
 /// Lays a chain from a commanded state to a target; `None` where it would leave the travel or last
 /// longer than a move may.
+#[inline(never)]
 fn lead(chain: &mut Chain, commanded: &Commanded, asked: Move, limits: &Limits) -> Option<()> {
     let Move {
         target,

@@ -16,6 +16,12 @@ const PIECES: usize = 7;
 /// Halvings of the bracket, or better, in f32.
 const STEPS: usize = 20;
 
+/// Halvings for the fastest cruise, which only has to be an upper bound.
+const COARSE_STEPS: usize = 10;
+
+/// How near the target is near enough in f32, as a part of the way.
+const NEAR: f32 = 1e-6;
+
 /// A motion towards greater places that is to reach one within a time.
 #[derive(Debug, Clone, Copy)]
 struct Wanted<F> {
@@ -107,7 +113,7 @@ impl Wanted<f32> {
             return None;
         }
         let mut fast = fastest;
-        for _ in 0..STEPS {
+        for _ in 0..COARSE_STEPS {
             let middle = 0.5 * (slow + fast);
             if enough(middle) {
                 slow = middle;
@@ -135,6 +141,10 @@ impl Wanted<f32> {
                 break;
             }
             let beyond = self.with(velocity).beyond;
+            if beyond.abs() <= NEAR * self.target {
+                (fast, far) = (velocity, 0.0);
+                break;
+            }
             if beyond > 0.0 {
                 (fast, far) = (velocity, beyond);
                 stayed = stayed.min(0) - 1;
