@@ -91,6 +91,19 @@ fn speeding(sign: f64, from: &Sample, bounds: &Bounds) -> f64 {
     }
 }
 
+/// The same bounds with the velocity that a state comes to, where that is above the limit by no
+/// more than the margin for rounding: such a state is inside the limits.
+fn above_by_rounding(from: &Sample, bounds: Bounds) -> Bounds {
+    let taken = 0.5 * from.acceleration * from.acceleration.abs() / bounds.jerk();
+    let fastest = from.velocity.abs().max((from.velocity + taken).abs());
+    let excess = fastest - bounds.velocity();
+    if excess <= 0.0 || excess > turns(ROUNDING_MARGIN as i64) {
+        return bounds;
+    }
+    let (acceleration, deceleration) = (bounds.acceleration(), bounds.deceleration());
+    Bounds::new(fastest, acceleration, deceleration, bounds.jerk()).unwrap_or(bounds)
+}
+
 /// The stop from a state.
 fn stopping(from: &Sample, bounds: &Bounds) -> Change<f64> {
     let strength = Strength {
@@ -141,6 +154,7 @@ impl Commanded {
     ) -> Option<()> {
         let bounds = bounds(limits)?;
         let from = self.entry(&bounds);
+        let bounds = above_by_rounding(&from, bounds);
         let distance = turns((target - self.state.position).counts());
         let to = target.counts();
         let stop = stopping(&from, &bounds);
@@ -158,16 +172,31 @@ impl Commanded {
         if let Some(pieces) = way.lasting(duration) {
             return chain.lay(pieces, Some(to));
         }
-        if let Some(pieces) = way.down_to_limit() {
+        if let Some(pieces) = way.down() {
             return chain.lay(pieces, Some(to));
         }
-        let (greatest, least) = if sign < 0.0 {
-            (bounds.deceleration(), -strong)
-        } else {
-            (strong, -bounds.deceleration())
-        };
+        // Whoever goes the wrong way above the velocity limit turns round anyway: no ramp to the
+        // limit is needed on that side.
         let velocity = bounds.velocity();
-        let signed = SignedBounds::new(velocity, -velocity, greatest, least, bounds.jerk()).ok()?;
+        let wrong = velocity.max(-sign * from.velocity);
+        let signed = if sign < 0.0 {
+            SignedBounds::new(
+                wrong,
+                -velocity,
+                bounds.deceleration(),
+                -strong,
+                bounds.jerk(),
+            )
+        } else {
+            SignedBounds::new(
+                velocity,
+                -wrong,
+                strong,
+                -bounds.deceleration(),
+                bounds.jerk(),
+            )
+        };
+        let signed = signed.ok()?;
         let curve = s_curve::to_rest(from, distance, &signed).ok()?;
         chain.lay_segments(&curve, to)
     }
