@@ -221,7 +221,7 @@ fn lead(chain: &mut Chain, commanded: &Commanded, asked: Move, limits: &Limits) 
             chain.step();
         }
         Profile::Beta | Profile::SCurve => {
-            commanded.to_rest(chain, target, duration, limits)?;
+            commanded.rest_at(chain, target, duration, limits)?;
         }
     }
     chain.stays(limits).then_some(())

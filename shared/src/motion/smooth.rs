@@ -145,7 +145,7 @@ impl Commanded {
 
     /// Lays a chain from here to rest at `target` in `duration`, or as quickly as the limits allow
     /// where that is longer.
-    pub(crate) fn to_rest(
+    pub(crate) fn rest_at(
         &self,
         chain: &mut Chain,
         target: Position,
