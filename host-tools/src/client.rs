@@ -25,6 +25,7 @@ mod request;
 pub use error::ClientError;
 pub use known::{KnownAxis, KnownNode};
 pub use movement::{Arrival, Progress};
+pub(crate) use plan::RANGE_MARGIN;
 pub use request::{Goal, MoveRequest, Overrides, Target};
 
 use crate::bus::Bus;

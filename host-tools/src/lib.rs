@@ -7,6 +7,7 @@
 //! | [`client`] | a commander of axes: finds, holds, moves, stops |
 //! | [`node`] | axis nodes in a host process |
 //! | [`robot`] | the robot file |
+//! | [`profile`] | moves of one axis offline: planned, compared, drawn |
 //! | [`notation`] | how people write axes and quantities |
 //! | [`demo`] | the demonstration |
 //! | [`log`], [`plot`] | recordings and reports |
@@ -20,6 +21,7 @@ pub mod log;
 pub mod node;
 pub mod notation;
 pub mod plot;
+pub mod profile;
 pub mod robot;
 pub mod sim;
 

@@ -6,15 +6,18 @@
 //! | `chart` | what a chart shows |
 //! | `draw` | a chart as SVG |
 //! | `legend` | the names under a chart |
+//! | `stack` | charts under each other |
 //! | `thin` | fewer points that look the same |
 
 mod chart;
 mod draw;
 mod legend;
 pub mod report;
+mod stack;
 mod thin;
 
 pub use chart::{Axis, Chart, Level, Mark, Series};
+pub use stack::stack;
 
 use thiserror::Error;
 

@@ -4,6 +4,7 @@
 /// Here so that the files lie in a folder of their own.
 mod s_curve {
     mod any_bits;
+    mod edges;
     mod lasting;
     mod optimal;
     mod random;

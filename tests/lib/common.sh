@@ -24,6 +24,7 @@ need() {
         case $package in
         python3-venv) python3 -c 'import ensurepip, venv' 2>/dev/null && continue ;;
         gcc) command -v cc >/dev/null && continue ;;
+        g++) command -v c++ >/dev/null && continue ;;
         busybox-static) command -v busybox >/dev/null && continue ;;
         iproute2) command -v ip >/dev/null && continue ;;
         can-utils) command -v candump >/dev/null && command -v cansend >/dev/null && continue ;;
@@ -58,18 +59,23 @@ need_rust() {
 # What building and measuring images takes.
 need_images() { need_rust clippy llvm-tools rust-std-thumbv7em-none-eabihf; }
 
-# A Python with the packages of tests/requirements.txt; tests find it in CANTER_PYTHON.
-need_python() {
+# python_with REQUIREMENTS VENV: a Python with those packages, made anew when they change.
+python_with() {
     need python3-venv
-    local venv=$CARGO_TARGET_DIR/venv
-    if ! cmp -s tests/requirements.txt "$venv/requirements.txt"; then
+    local requirements=$1 venv=$2
+    if ! cmp -s "$requirements" "$venv/requirements.txt"; then
         say "making $venv"
         rm -rf "$venv"
         python3 -m venv "$venv"
-        "$venv/bin/pip" install --quiet --no-cache-dir --disable-pip-version-check -r tests/requirements.txt
-        cp tests/requirements.txt "$venv/requirements.txt"
+        "$venv/bin/pip" install --quiet --no-cache-dir --disable-pip-version-check -r "$requirements"
+        cp "$requirements" "$venv/requirements.txt"
     fi
-    export CANTER_PYTHON=$venv/bin/python
+}
+
+# The Python with the packages of tests/requirements.txt; tests find it in CANTER_PYTHON.
+need_python() {
+    python_with tests/requirements.txt "$CARGO_TARGET_DIR/venv"
+    export CANTER_PYTHON=$CARGO_TARGET_DIR/venv/bin/python
 }
 
 # image_cargo SUBCOMMAND ARGUMENT...: cargo for the device; a warning is an error.

@@ -27,6 +27,7 @@ fn files(folder: &str) -> Vec<(String, String)> {
                 found.extend(files(&path));
             }
         } else if kind.is_file()
+            && name != ".git"
             && let Ok(text) = std::fs::read_to_string(entry.path())
         {
             found.push((path, text));

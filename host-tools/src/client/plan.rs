@@ -22,7 +22,7 @@ use std::f64::consts::TAU;
 
 /// How far from the planned range the axis's own may be: what the wire rounds off the position
 /// it reported and off the target, twice each.
-const RANGE_MARGIN: Position = Position::from_counts(4 * POSITION_STEP.counts());
+pub(crate) const RANGE_MARGIN: Position = Position::from_counts(4 * POSITION_STEP.counts());
 
 /// What one axis is going to be asked for.
 pub(super) struct Planned {

@@ -19,7 +19,7 @@ pub(super) const SCALE: i32 = 4;
 const WIDTH: i32 = 560 * SCALE;
 const HEIGHT: i32 = 300 * SCALE;
 const TITLE_HEIGHT: i32 = 30 * SCALE;
-const LEFT: i32 = 72 * SCALE;
+const LEFT: i32 = 84 * SCALE;
 const BOTTOM: i32 = 38 * SCALE;
 const MARGIN: i32 = 8 * SCALE;
 pub(super) const TEXT_SIZE: i32 = 13 * SCALE;
@@ -127,8 +127,8 @@ impl Chart {
             .y_desc(self.y.label())
             .x_labels(if bars { 15 } else { 9 })
             .y_labels(7)
-            .x_label_formatter(&|value| label(*value))
-            .y_label_formatter(&|value| label(*value))
+            .x_label_formatter(&|value| label(*value, view.x.1 - view.x.0))
+            .y_label_formatter(&|value| label(*value, view.y.1 - view.y.0))
             .label_style(text_style())
             .axis_desc_style(text_style())
             .axis_style(FRAME.stroke_width(SCALE.unsigned_abs()))
@@ -184,7 +184,22 @@ impl Chart {
     }
 }
 
-const NAME_SPACE: &str = "http://www.w3.org/2000/svg";
+pub(super) const NAME_SPACE: &str = "http://www.w3.org/2000/svg";
+
+/// How wide every chart is shown.
+pub(super) const WIDTH_IN_PIXELS: i32 = WIDTH / SCALE;
+
+/// A chart of its own without its name space, and how high it is shown.
+pub(super) fn in_pixels(svg: &str) -> (String, f64) {
+    let name_space = format!(" xmlns=\"{NAME_SPACE}\"");
+    let height = svg
+        .split_once("viewBox=\"")
+        .and_then(|(_, rest)| rest.split('"').next())
+        .and_then(|numbers| numbers.split_whitespace().last())
+        .and_then(|number| number.parse::<f64>().ok())
+        .unwrap_or_default();
+    (svg.replacen(&name_space, "", 1), height / f64::from(SCALE))
+}
 
 /// Puts `start` in the place of the root's size in points and name space, and keeps its view box.
 fn rewrite_root(svg: &str, start: &str) -> String {
@@ -211,16 +226,21 @@ pub(super) const ROLES: [(&str, RGBColor); 4] = [
     ("level", LEVEL),
 ];
 
-/// A number at an axis: as many digits as tell it from its neighbours.
-fn label(value: f64) -> String {
+/// A number at an axis that shows a range of `extent`: as many digits as tell it from its
+/// neighbours, and zero where rounding has left next to nothing of it.
+fn label(value: f64, extent: f64) -> String {
     let size = value.abs();
-    if size != 0.0 && !(1e-4..1e6).contains(&size) {
-        return format!("{value:.1e}").replace('-', "\u{2212}");
+    if size < extent.abs() * 1e-9 {
+        return "0".to_owned();
     }
-    let text = format!("{value:.6}");
-    let short = text.trim_end_matches('0').trim_end_matches('.');
-    let short = if short == "-0" { "0" } else { short };
-    short.replace('-', "\u{2212}")
+    let text = if size != 0.0 && !(1e-4..1e6).contains(&size) {
+        format!("{value:.1e}").replace(".0e", "e")
+    } else {
+        let text = format!("{value:.6}");
+        let short = text.trim_end_matches('0').trim_end_matches('.');
+        (if short == "-0" { "0" } else { short }).to_owned()
+    };
+    text.replace('-', "\u{2212}")
 }
 
 #[cfg(test)]
@@ -236,12 +256,13 @@ mod tests {
             (0.30000000000000004, "0.3"),
             (-20.0, "\u{2212}20"),
             (1200.5, "1200.5"),
-            (2e6, "2.0e6"),
-            (1e-5, "1.0e\u{2212}5"),
-            (1e-17, "1.0e\u{2212}17"),
+            (2e6, "2e6"),
+            (1.27e-5, "1.3e\u{2212}5"),
+            (-1e-17, "\u{2212}1e\u{2212}17"),
         ] {
-            assert_eq!(label(value), text);
+            assert_eq!(label(value, 0.0), text);
         }
+        assert_eq!(label(-1.3e-23, 1e-7), "0");
     }
 
     #[test]

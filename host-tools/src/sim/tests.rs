@@ -2,10 +2,11 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use canter_shared::axis::state::State;
+use canter_shared::limits::Limits;
 use canter_shared::time::{Tick, Ticks};
 use canter_shared::units::Position;
 use canter_shared::wire::command::{Action, Command, ProfileKind, Session, wire_position};
-use canter_shared::wire::id::{Address, Function};
+use canter_shared::wire::id::{Address, AxisId, Function};
 use canter_shared::wire::reason::Reason;
 use canter_shared::wire::report::{IdentityPart, Report};
 

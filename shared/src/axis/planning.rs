@@ -195,8 +195,10 @@ impl Plan {
             Leave::At(start) => start,
             Leave::Now | Leave::WhenTriggered => splice,
         };
+        let state = self.motion.at(splice);
+        let limits = wanted.prepared.limits(&self.limits, &state);
         self.motion
-            .start(splice, start, wanted.asked, &self.limits)
+            .start(splice, start, wanted.asked, &limits)
             .map_err(refusal)
     }
 }
@@ -236,10 +238,7 @@ impl Axis {
             change: job.change,
             number: job.number,
             splice,
-            limits: match job.change {
-                Change::Stop => self.planning_limits(),
-                Change::Move(wanted) => wanted.prepared.limits(&self.planning_limits()),
-            },
+            limits: self.planning_limits(),
             motion: motion.clone(),
         };
         self.planning.working = Some((job, splice));

@@ -4,7 +4,7 @@
 //! is for the next move of its kind that is accepted, and for nothing else.
 
 use crate::limits::Limits;
-use crate::motion::Profile;
+use crate::motion::{Profile, Setpoint};
 use crate::time::Ticks;
 use crate::units::{Acceleration, Jerk, Velocity};
 use crate::wire::command::ProfileKind;
@@ -58,12 +58,22 @@ impl Prepared {
         }
     }
 
-    /// The limits of such a move: the axis's own, or what was told where that is less.
-    pub(super) fn limits(&self, own: &Limits) -> Limits {
+    /// The limits of such a move from `state`: the axis's own, or what was told where that is
+    /// less.
+    ///
+    /// In mid-move a jerk that is too small to take back the acceleration before the velocity
+    /// passes the axis's own limit does not count.
+    pub(super) fn limits(&self, own: &Limits, state: &Setpoint) -> Limits {
         let (acceleration, deceleration) = self
             .ramps
             .unwrap_or((own.acceleration(), own.deceleration()));
-        let (velocity, jerk) = self.peaks.unwrap_or((own.velocity(), own.jerk()));
+        let (velocity, mut jerk) = self.peaks.unwrap_or((own.velocity(), own.jerk()));
+        // v + a |a| / (2 j) is where the velocity is once the acceleration is released.
+        let a = state.acceleration.counts() as f64;
+        let released = state.velocity.counts() as f64 + a * a.abs() / (2.0 * jerk.counts() as f64);
+        if released.abs() > own.velocity().counts() as f64 {
+            jerk = own.jerk();
+        }
         // None of them is zero: such frames are refused.
         own.narrowed(velocity, acceleration, deceleration, jerk)
             .unwrap_or(*own)

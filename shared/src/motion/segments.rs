@@ -2,8 +2,8 @@
 //!
 //! Each piece is evaluated from where the one before it ends, so position and velocity are
 //! continuous to the bit there (unless the planner knows the entry more exactly); the last one is
-//! evaluated backwards from the end that was asked for in its second half, so that the end is
-//! exact and the curve near it keeps its digits.
+//! evaluated backwards from the end that was asked for, so that the end is exact and the curve
+//! near it keeps its digits.
 
 use super::trajectory::{Peaks, Sample, Trajectory};
 use heapless::Vec;
@@ -164,16 +164,20 @@ impl Trajectory for Segments {
         if time >= self.duration {
             return self.end().after(time - self.duration);
         }
-        // The first whose successor has not begun; a NaN finds the last.
-        let last = self.segments.len().saturating_sub(1);
-        for (index, segment) in self.segments.iter().enumerate() {
-            let elapsed = time - segment.start;
-            let whole = if index == last { 0.5 } else { 1.0 } * segment.duration;
-            if elapsed < whole {
-                return segment.entry.after(elapsed);
-            }
+        // An only piece is seen from its end, but for the start itself.
+        if let (0.0, Some(first)) = (time, self.segments.first()) {
+            return first.entry;
         }
-        self.last.after(time - self.duration)
+        // Those that have begun are counted, which takes no guess at which one it will be; a NaN
+        // finds the first.
+        let after = self.segments.iter().skip(1);
+        let begun = after.filter(|segment| time >= segment.start).count();
+        match self.segments.get(begun) {
+            Some(segment) if begun + 1 < self.segments.len() => {
+                segment.entry.after(time - segment.start)
+            }
+            _ => self.last.after(time - self.duration),
+        }
     }
 
     fn peaks(&self) -> Peaks {

@@ -1,7 +1,7 @@
 //! Several axes that leave together and arrive together.
 //!
 //! There are two ways. Each axis may keep a shape of its own and be stretched to the longest
-//! duration, within its own limits: [`beta`], [`trapezoid`] and [`s_curve`] from a list of axes,
+//! duration, within its own limits: [`beta()`], [`trapezoid()`] and [`s_curve()`] from a list of axes,
 //! or [`common_duration`] of any profiles. Or all share one shape, so that a tool moves on a
 //! straight line: a unit move from 0 to 1 within [`shared_bounds`], [`Scaled`] to each axis.
 

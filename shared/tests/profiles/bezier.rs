@@ -47,11 +47,14 @@ proptest! {
         for time in times(&curve) {
             let at = curve.at(time);
             let u = time / duration;
+            let mut scale = 0.0f64;
             for (got, points) in
                 [at.position, at.velocity, at.acceleration, at.jerk].into_iter().zip(&rates)
             {
                 let want = bernstein(points, u);
-                let scale = points.iter().fold(0.0f64, |most, point| most.max(point.abs()));
+                // A derivative has the digits that differences of the one before it leave.
+                let before = curve.degree() as f64 * scale / duration;
+                scale = points.iter().fold(before, |most, point| most.max(point.abs()));
                 prop_assert!((got - want).abs() <= 1e-12 * scale.max(1e-300), "{got} {want}");
             }
             // Inside the points, as each is a mean of them.

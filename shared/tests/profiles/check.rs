@@ -143,8 +143,8 @@ pub fn derivatives(
     Ok(())
 }
 
-/// Where one piece ends the next begins, but for rounding of positions of this scale; and so where
-/// the last piece begins to be seen from its end.
+/// Where one piece ends the next begins, but for rounding of positions of this scale; and the last
+/// ends where the motion does.
 pub fn continuous(segments: &Segments, scale: f64) -> Result<(), TestCaseError> {
     let peak = segments.peaks();
     let starts = segments
@@ -152,11 +152,8 @@ pub fn continuous(segments: &Segments, scale: f64) -> Result<(), TestCaseError> 
         .iter()
         .skip(1)
         .map(|segment| segment.start);
-    let last = segments.segments().last();
-    let middle = last.map(|last| last.start + 0.5 * last.duration);
-    for time in starts.chain(middle) {
-        // The middle of the last piece is known to a rounding or two.
-        let step = 4.0 * f64::EPSILON * time;
+    for time in starts.chain([0.0, segments.duration()]) {
+        let step = 4.0 * f64::EPSILON * time.max(1e-3 * segments.duration());
         let (before, after) = (segments.at(time - step), segments.at(time + step));
         let jump = (after.position - before.position).abs();
         let bound = 1e-14 * scale + 4.0 * peak.velocity * step;

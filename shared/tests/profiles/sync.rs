@@ -122,6 +122,12 @@ fn edges() {
     // The longest range has the least limits of the unit move.
     let shared = shared_bounds(&[axis(1.0), axis(-4.0), axis(0.0)]).expect("valid");
     assert_eq!(shared, Bounds::new(0.25, 0.5, 1.0, 2.0).expect("valid"));
+    // The end is exact where start and range do not add up to it.
+    let (from, to) = (0.1, -3.0 / 7.0);
+    assert_ne!(from + (to - from), to);
+    let unit = Profile::within(0.0, 1.0, &bounds).expect("valid");
+    let scaled = Scaled { from, to, unit };
+    assert_eq!(scaled.at(scaled.duration()), Sample::at_rest(to));
     let error = sync::beta::<1>(&[axis(1.0), axis(2.0)]).expect_err("no room");
     let want = ProfileError::Value {
         field: "number of axes",

@@ -94,6 +94,34 @@ proptest! {
         }
     }
 
+    /// A target that the straight ramp reaches but for rounding is not taken the long way round,
+    /// whatever the direction.
+    #[test]
+    fn straight_ramps(from in signed(-2.0..2.0), v0 in 0.01..1.0f64, v1 in 0.01..1.0f64, bounds in rates()) {
+        let limit = bounds.velocity();
+        for sign in [1.0, -1.0] {
+            let (v0, v1) = (sign * v0 * limit, sign * v1 * limit);
+            let forward = sign > 0.0;
+            let rate = if (v1 > v0) == forward { bounds.acceleration() } else { bounds.deceleration() };
+            let way = (v1 * v1 - v0 * v0) / (2.0 * rate) * if v1 > v0 { 1.0 } else { -1.0 };
+            let (start, stop) = (Sample::coasting(from, v0), Sample::coasting(from + way, v1));
+            let turned = Bounds::new(
+                limit,
+                bounds.deceleration(),
+                bounds.acceleration(),
+                f64::INFINITY,
+            )
+            .expect("valid");
+            let (up, down) = if forward { (&bounds, &turned) } else { (&turned, &bounds) };
+            let optimal = time_optimal(start, stop, up, down).expect("inside the limits");
+            let want = (v1 - v0).abs() / rate;
+            // Rounding of the positions is gone through at the velocities' own pace.
+            let rounding = 4.0 * f64::EPSILON * (from.abs() + way.abs()) / (0.01 * limit);
+            let error = (optimal.duration() - want).abs();
+            prop_assert!(error <= 1e-9 * want + 4.0 * rounding, "{} {want}", optimal.duration());
+        }
+    }
+
     /// Run backwards, acceleration is deceleration.
     #[test]
     fn reversed((from, to, bounds) in moves()) {

@@ -53,8 +53,11 @@ proptest! {
         let passed = curve.duration() * part;
         let again = time_optimal(curve.at(passed), to, &bounds).expect("still valid");
         let left = curve.duration() - passed;
-        prop_assert!(again.duration() <= left + 1e-6 * curve.duration(), "{} {left} {curve:?} {again:?}", again.duration());
-        prop_assert!(again.duration() >= left - 1e-6 * curve.duration(), "{} {left} {curve:?} {again:?}", again.duration());
+        // While the acceleration is released at the end, the way that is left is the cube of the time
+        // that is left: what rounds off a position, 1e-16 of it, is worth 5e-6 of the time.
+        let slack = 2e-5 * curve.duration();
+        prop_assert!(again.duration() <= left + slack, "{} {left} {curve:?} {again:?}", again.duration());
+        prop_assert!(again.duration() >= left - slack, "{} {left} {curve:?} {again:?}", again.duration());
     }
 
     /// Any other way that keeps the limits, made of changes of velocity and cruises, takes longer.

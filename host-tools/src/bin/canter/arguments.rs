@@ -1,5 +1,9 @@
 //! The command line's shape.
 
+mod profile;
+
+pub use profile::{Compare, CompareFormat, Plan, PlanFormat, ShaperArgument};
+
 use canter::bus::{Address, AddressError};
 use canter::client::{Goal, Target};
 use canter::notation::{AxisList, angle, parse_axes, rate, seconds};
@@ -62,6 +66,10 @@ pub enum Verb {
     Estop(Axes),
     /// Move axes, together.
     Move(Move),
+    /// Plan one move of one axis, offline, in units of your own.
+    Plan(Plan),
+    /// Show the profiles side by side for one move: durations, peaks, vibration.
+    Compare(Compare),
 }
 
 #[derive(Args)]

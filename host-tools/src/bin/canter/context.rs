@@ -10,6 +10,7 @@ use canter::sim::{Configuration, SimulatedBus};
 use canter_shared::wire::id::AxisId;
 use std::collections::hash_map::RandomState;
 use std::hash::{BuildHasher, Hasher};
+use std::io::Write;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -61,6 +62,23 @@ impl Context {
         if self.json {
             println!("{document}");
         }
+    }
+}
+
+/// Prints lines of data on stdout. A reader that has seen enough, such as `head`, is no error.
+pub fn print_all(lines: impl Iterator<Item = String>) -> Result<()> {
+    let mut out = std::io::BufWriter::new(std::io::stdout().lock());
+    let written = (|| {
+        for line in lines {
+            writeln!(out, "{line}")?;
+        }
+        out.flush()
+    })();
+    match written {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(error).context("cannot write to stdout")
+        }
+        _ => Ok(()),
     }
 }
 

@@ -19,6 +19,9 @@ fn main() -> ExitCode {
                 println!("{}", serde_json::json!({ "error": format!("{error:#}") }));
             }
             eprintln!("error: {error:#}");
+            if verb::is_usage(&error) {
+                return ExitCode::from(2);
+            }
             ExitCode::FAILURE
         }
     }

@@ -1,8 +1,10 @@
 //! The verbs, one file each.
 
+mod compare;
 mod demo;
 mod r#move;
 mod node;
+mod plan;
 mod power;
 mod scan;
 mod status;
@@ -11,6 +13,7 @@ mod stop;
 use crate::arguments::{Arguments, Verb};
 use crate::context::Context;
 use anyhow::Result;
+use canter::profile::PlanError;
 
 /// Runs the verb that was asked for.
 pub fn run(arguments: Arguments) -> Result<()> {
@@ -26,5 +29,14 @@ pub fn run(arguments: Arguments) -> Result<()> {
         Verb::Stop(list) => stop::run(&context, &list.axes),
         Verb::Estop(list) => stop::emergency(&context, &list.axes),
         Verb::Move(request) => r#move::run(&context, &request),
+        Verb::Plan(request) => plan::run(&context, &request),
+        Verb::Compare(request) => compare::run(&context, &request),
     }
+}
+
+/// Whether an error says that the command line was wrong, rather than that something failed.
+pub fn is_usage(error: &anyhow::Error) -> bool {
+    error
+        .downcast_ref::<PlanError>()
+        .is_some_and(PlanError::is_usage)
 }
