@@ -60,7 +60,8 @@ fn the_core_keeps_its_budget_of_instructions() {
         holds(&results, &format!("node.tick_{name}.most"), 1_500);
     }
     holds(&results, "node.tick_overtaking.most", 1_500);
-    holds(&results, "node.tick_overlaid.most", 2_000);
+    // Two beta moves at once: over the aim of 1500.
+    holds(&results, "node.tick_overlaid.most", 2_200);
     holds(&results, "node.handle_frame.most", 2_000);
     holds(&results, "node.handle_frame_overtaking.most", 2_000);
     // These copy a motion under the node's lock, which holds off the tick.
