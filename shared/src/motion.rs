@@ -1,7 +1,7 @@
 //! From limits to setpoints.
 //!
-//! A [`Motion`] is what an axis is doing: a base (rest, or phases of constant jerk such as a stop
-//! or a trapezoid) and beta moves laid over it. Every piece is evaluated from its own start tick
+//! A [`Motion`] is what an axis is doing: a base (rest, or phases of constant jerk such as a stop,
+//! a trapezoid or an s-curve) and beta moves laid over it. Every piece is evaluated from its own start tick
 //! in integers, and what has ended is folded into the base, so nothing drifts.
 //!
 //! | file | what it holds |

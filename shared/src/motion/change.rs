@@ -168,9 +168,8 @@ impl Change<f64> {
     /// The pieces of the change, which begins so many seconds after the start of a motion.
     pub(crate) fn pieces(self, begins: f64) -> impl Iterator<Item = Piece> {
         let Self { sign, to, .. } = self;
-        let rates = |lost: f64, deceleration: f64| {
-            Rates::new(to + sign * lost, sign * deceleration)
-        };
+        let rates =
+            |lost: f64, deceleration: f64| Rates::new(to + sign * lost, sign * deceleration);
         let after_ramp = rates(self.after_ramp, -self.peak);
         let after_hold = rates(self.after_hold, -self.peak);
         let entry = rates(self.velocity, self.acceleration);

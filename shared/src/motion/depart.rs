@@ -39,6 +39,20 @@ impl Motion {
             self.fold(now);
             return self.take_on(now, start, asked, limits);
         }
+        self.replace(now, start, asked, limits)
+    }
+
+    /// Takes on a move in the place of one that waits, which stays where there is an error.
+    ///
+    /// Apart, so that the copy is on the stack only where it is needed.
+    #[inline(never)]
+    fn replace(
+        &mut self,
+        now: Tick,
+        start: Tick,
+        asked: Move,
+        limits: &Limits,
+    ) -> Result<Planned, PlanError> {
         let mut next = self.clone();
         next.drop_pending(now);
         next.fold(now);
@@ -48,6 +62,7 @@ impl Motion {
     }
 
     /// Takes on a move while none waits.
+    #[inline(never)]
     fn take_on(
         &mut self,
         now: Tick,
@@ -63,6 +78,7 @@ impl Motion {
     }
 
     /// Adds a move from the rest that the motion has come to by `start`.
+    #[inline(never)]
     pub(super) fn depart(
         &mut self,
         start: Tick,

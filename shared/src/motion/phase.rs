@@ -218,7 +218,11 @@ impl Phase {
             ramp >> ACCELERATION_BITS,
         ];
         let fits = |value: &i64| value.unsigned_abs() < LARGEST_COEFFICIENT;
-        let fit = position.iter().chain(&velocity).chain(&acceleration).all(fits);
+        let fit = position
+            .iter()
+            .chain(&velocity)
+            .chain(&acceleration)
+            .all(fits);
         fit.then_some(Self {
             first: span.from.tick(span.start),
             end: span.to.tick(span.start),
@@ -374,7 +378,8 @@ impl Phase {
         };
         // No place is farther from where it begins than this.
         let way = fastest as f64 * self.end.since(now).seconds();
-        let farthest = |sign: f64| Position::from_counts(from.position.saturating_add((sign * way) as i64));
+        let farthest =
+            |sign: f64| Position::from_counts(from.position.saturating_add((sign * way) as i64));
         let between = limits.allow(Position::from_counts(from.position))
             && limits.allow(Position::from_counts(to.position));
         let straight = ends.0 * ends.1 >= 0 && self.turn() == 0;

@@ -35,6 +35,20 @@ impl Motion {
                 return Ok(Planned { start, end });
             }
         }
+        self.stop_first(now, start, asked, limits)
+    }
+
+    /// Changes the target after a stop; the motion is as it was where that cannot be.
+    ///
+    /// Apart, so that the copy is on the stack only where it is needed.
+    #[inline(never)]
+    fn stop_first(
+        &mut self,
+        now: Tick,
+        start: Tick,
+        asked: Move,
+        limits: &Limits,
+    ) -> Result<Planned, PlanError> {
         let before = self.clone();
         let start = self.stop(now, limits).max(start);
         let range = asked.target - self.target();
@@ -83,54 +97,60 @@ impl Motion {
     /// outside. The motion is unchanged, and inside the limits that it was planned with: stop it
     /// first. An axis that rests has no target to lose, and takes any limits.
     pub fn change_limits(&mut self, now: Tick, limits: &Limits) -> Result<Tick, PlanError> {
-        let mut next = self.clone();
-        next.fold(now);
-        let Some(end) = next.end().filter(|end| now < *end) else {
+        self.fold(now);
+        let Some(end) = self.end().filter(|end| now < *end) else {
             return Ok(now);
         };
-        let target = next.target();
+        let target = self.target();
         inside(target, limits)?;
-        if next.keeps(now, limits) {
+        if self.keeps(now, limits) {
             return Ok(end);
         }
-        let mut settled = next.clone();
-        settled.drop_pending(now);
-        let departure = next.departure(now);
-        let end = match departure {
-            Some(departure) if !settled.is_moving(now) => {
-                let range = target - settled.target();
-                let least = shortest(departure.profile, range, limits);
-                let least = least.ok_or(PlanError::TooLong)?;
-                let asked = Move {
-                    target,
-                    duration: departure.duration.max(least),
-                    profile: departure.profile,
-                };
-                next = settled;
-                next.depart(departure.start, asked, limits)?.end
-            }
-            _ => {
-                let commanded = next.commanded(now);
-                let asked = Move {
-                    target,
-                    duration: end.since(now),
-                    profile: if commanded.steps {
-                        Profile::Trapezoid
-                    } else {
-                        Profile::SCurve
-                    },
-                };
-                let mut chain = Chain::new(now, commanded.state.position.counts());
-                lead(&mut chain, &commanded, asked, limits).ok_or(PlanError::OutsideTravel {
-                    target,
-                    nearest: target,
-                })?;
-                next.take_over(now, &chain);
-                chain.end
-            }
+        if self.has_pending(now)
+            && let Some(end) = self.depart_anew(now, limits)?
+        {
+            return Ok(end);
+        }
+        let commanded = self.commanded(now);
+        let asked = Move {
+            target,
+            duration: end.since(now),
+            profile: if commanded.steps {
+                Profile::Trapezoid
+            } else {
+                Profile::SCurve
+            },
         };
-        *self = next;
-        Ok(end)
+        let mut chain = Chain::new(now, commanded.state.position.counts());
+        lead(&mut chain, &commanded, asked, limits).ok_or(PlanError::OutsideTravel {
+            target,
+            nearest: target,
+        })?;
+        self.take_over(now, &chain);
+        Ok(chain.end)
+    }
+
+    /// Plans the move that waits for its start anew, where the axis rests until then.
+    ///
+    /// Apart, so that the copy is on the stack only where it is needed.
+    #[inline(never)]
+    fn depart_anew(&mut self, now: Tick, limits: &Limits) -> Result<Option<Tick>, PlanError> {
+        let mut settled = self.clone();
+        settled.drop_pending(now);
+        let departure = self.departure(now);
+        let Some(departure) = departure.filter(|_| !settled.is_moving(now)) else {
+            return Ok(None);
+        };
+        let target = self.target();
+        let least = shortest(departure.profile, target - settled.target(), limits);
+        let asked = Move {
+            target,
+            duration: departure.duration.max(least.ok_or(PlanError::TooLong)?),
+            profile: departure.profile,
+        };
+        let planned = settled.depart(departure.start, asked, limits)?;
+        *self = settled;
+        Ok(Some(planned.end))
     }
 
     /// The move that leaves from rest at `now` or later.
@@ -184,6 +204,7 @@ struct Departure {
 
 /// Lays a chain from a commanded state to a target; `None` where it would leave the travel or last
 /// longer than a move may.
+#[inline(never)]
 fn lead(chain: &mut Chain, commanded: &Commanded, asked: Move, limits: &Limits) -> Option<()> {
     let Move {
         target,
@@ -200,7 +221,7 @@ fn lead(chain: &mut Chain, commanded: &Commanded, asked: Move, limits: &Limits) 
             chain.step();
         }
         Profile::Beta | Profile::SCurve => {
-            commanded.to_rest(chain, target, duration, limits)?;
+            commanded.rest_at(chain, target, duration, limits)?;
         }
     }
     chain.stays(limits).then_some(())

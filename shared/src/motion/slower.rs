@@ -10,8 +10,17 @@ use super::phase::{Moment, Rates};
 use super::trajectory::Sample;
 use crate::time::Ticks;
 
+/// A change of velocity, a cruise, and a stop.
+const PIECES: usize = 7;
+
 /// Halvings of the bracket, or better, in f32.
 const STEPS: usize = 20;
+
+/// Halvings for the fastest cruise, which only has to be an upper bound.
+const COARSE_STEPS: usize = 10;
+
+/// How near the target is near enough in f32, as a part of the way.
+const NEAR: f32 = 2e-7;
 
 /// A motion towards greater places that is to reach one within a time.
 #[derive(Debug, Clone, Copy)]
@@ -19,7 +28,8 @@ struct Wanted<F> {
     velocity: F,
     acceleration: F,
     target: F,
-    duration: F,
+    /// `None` for as long as it takes without a cruise.
+    duration: Option<F>,
     strength: Strength<F>,
 }
 
@@ -41,7 +51,9 @@ impl<F: Number> Wanted<F> {
         let zero = F::default();
         let change = Change::new(self.velocity, self.acceleration, velocity, &self.strength);
         let stop = Change::new(velocity, zero, zero, &self.strength);
-        let cruise = self.duration - change.duration() - stop.duration();
+        let cruise = self.duration.map_or(zero, |duration| {
+            duration - change.duration() - stop.duration()
+        });
         let reached = change.distance() + stop.distance() + velocity * cruise;
         Tried {
             change,
@@ -59,7 +71,7 @@ impl Wanted<f64> {
         let coarse = self.coarse();
         let (velocity, slope) = coarse.cruise(fastest as f32)?;
         // Clearly without a cruise: f64 would not change that.
-        if coarse.with(velocity).cruise < -1e-3 * coarse.duration {
+        if coarse.with(velocity).cruise < -1e-3 * coarse.duration.unwrap_or_default() {
             return None;
         }
         let first = self.with(f64::from(velocity));
@@ -78,7 +90,7 @@ impl Wanted<f64> {
             velocity: self.velocity as f32,
             acceleration: self.acceleration as f32,
             target: self.target as f32,
-            duration: self.duration as f32,
+            duration: self.duration.map(|duration| duration as f32),
             strength: Strength {
                 rise: self.strength.rise as f32,
                 fall: self.strength.fall as f32,
@@ -104,7 +116,7 @@ impl Wanted<f32> {
             return None;
         }
         let mut fast = fastest;
-        for _ in 0..STEPS {
+        for _ in 0..COARSE_STEPS {
             let middle = 0.5 * (slow + fast);
             if enough(middle) {
                 slow = middle;
@@ -132,6 +144,10 @@ impl Wanted<f32> {
                 break;
             }
             let beyond = self.with(velocity).beyond;
+            if beyond.abs() <= NEAR * self.target {
+                (fast, far) = (velocity, 0.0);
+                break;
+            }
             if beyond > 0.0 {
                 (fast, far) = (velocity, beyond);
                 stayed = stayed.min(0) - 1;
@@ -149,9 +165,12 @@ impl Wanted<f32> {
         let velocity = if far < -short { fast } else { slow };
         let step = 4e-3 * velocity + 1e-5 * fast;
         let slope = (self.with(velocity + step).beyond - self.with(velocity).beyond) / step;
-        // Without ramps it would be the duration.
-        let slope = if slope > 0.0 { slope } else { self.duration };
-        Some((velocity, slope))
+        if slope > 0.0 {
+            Some((velocity, slope))
+        } else {
+            // Without ramps it would be the duration.
+            self.duration.map(|duration| (velocity, duration))
+        }
     }
 }
 
@@ -166,59 +185,102 @@ fn clamped(velocity: f32, fastest: f32) -> f32 {
     }
 }
 
-/// The pieces from `from`, at place zero, to rest at `target` in `duration`, with one change of
-/// velocity to a cruise inside `bounds`. In turns.
-///
-/// The target must be beyond the place, in the direction `sign`, where a stop from here leads to.
-/// `speeding` is what the speed may rise with. `None` where the time is too short for a cruise.
-pub(crate) fn slower(
-    from: &Sample,
-    target: f64,
-    duration: Ticks,
+/// The way from a state, seen in one direction.
+pub(crate) struct Way {
+    wanted: Wanted<f64>,
     sign: f64,
-    speeding: f64,
-    bounds: &Bounds,
-) -> Option<impl Iterator<Item = Piece>> {
-    let wanted = Wanted {
-        velocity: sign * from.velocity,
-        acceleration: sign * from.acceleration,
-        target: sign * target,
-        duration: duration.seconds(),
-        strength: Strength {
-            rise: speeding,
-            fall: bounds.deceleration(),
-            jerk: bounds.jerk(),
-        },
-    };
-    let Tried {
-        change,
-        stop,
-        velocity,
-        cruise,
-        ..
-    } = wanted.solved(bounds.velocity())?;
-    let (change, stop) = if sign < 0.0 {
-        (change.mirrored(), stop.mirrored())
-    } else {
-        (change, stop)
-    };
-    let coasting = Rates::new(sign * velocity, 0.0);
-    let begins = change.duration() + cruise;
-    let coast = Piece {
-        ends: Moment::from_seconds(begins),
-        entry: coasting,
-        exit: coasting,
-    };
-    // The last piece ends on the tick, whatever the rounding of its parts.
-    let stop = stop.pieces(begins).enumerate().map(move |(index, piece)| Piece {
-        ends: if index == 2 {
-            Moment::from_ticks(duration)
+    fastest: f64,
+}
+
+impl Way {
+    /// From `from`, at place zero, to rest at `target`, in turns.
+    ///
+    /// The target must be beyond the place, in the direction `sign`, where a stop from here leads
+    /// to. `speeding` is what the speed may rise with.
+    pub(crate) fn new(
+        from: &Sample,
+        target: f64,
+        sign: f64,
+        speeding: f64,
+        bounds: &Bounds,
+    ) -> Self {
+        let wanted = Wanted {
+            velocity: sign * from.velocity,
+            acceleration: sign * from.acceleration,
+            target: sign * target,
+            duration: None,
+            strength: Strength {
+                rise: speeding,
+                fall: bounds.deceleration(),
+                jerk: bounds.jerk(),
+            },
+        };
+        Self {
+            wanted,
+            sign,
+            fastest: bounds.velocity(),
+        }
+    }
+
+    /// The pieces that last for `duration`, with one change of velocity to a cruise inside the
+    /// limits. `None` where the time is too short for a cruise.
+    pub(crate) fn lasting(&self, duration: Ticks) -> Option<impl Iterator<Item = Piece>> {
+        let wanted = Wanted {
+            duration: Some(duration.seconds()),
+            ..self.wanted
+        };
+        let tried = wanted.solved(self.fastest)?;
+        // The last piece ends on the tick, whatever the rounding of its parts.
+        let ends = Moment::from_ticks(duration);
+        let pieces = tried.pieces(self.sign).zip(1..);
+        Some(pieces.map(move |(piece, number)| Piece {
+            ends: if number == PIECES { ends } else { piece.ends },
+            ..piece
+        }))
+    }
+
+    /// The pieces from above the velocity limit: down to it, a cruise, and a stop; where the target
+    /// is too near for that, down to a lower velocity from which a stop follows at once. The speed
+    /// never rises again. `None` from below the limit.
+    pub(crate) fn down(&self) -> Option<impl Iterator<Item = Piece>> {
+        let Wanted {
+            velocity,
+            acceleration,
+            strength,
+            ..
+        } = self.wanted;
+        let taken = 0.5 * acceleration * acceleration.abs();
+        let jerk = strength.jerk;
+        if velocity <= self.fastest && jerk * velocity + taken <= jerk * self.fastest {
+            return None;
+        }
+        let mut tried = self.wanted.with(self.fastest);
+        if tried.beyond <= 0.0 {
+            tried.cruise = -tried.beyond / self.fastest;
         } else {
-            piece.ends
-        },
-        ..piece
-    });
-    Some(change.pieces(0.0).chain([coast]).chain(stop))
+            tried = self.wanted.solved(self.fastest)?;
+        }
+        Some(tried.pieces(self.sign))
+    }
+}
+
+impl Tried<f64> {
+    /// The change, the cruise and the stop, in the direction `sign`.
+    fn pieces(&self, sign: f64) -> impl Iterator<Item = Piece> + use<> {
+        let (change, stop) = if sign < 0.0 {
+            (self.change.mirrored(), self.stop.mirrored())
+        } else {
+            (self.change, self.stop)
+        };
+        let coasting = Rates::new(sign * self.velocity, 0.0);
+        let begins = change.duration() + self.cruise;
+        let coast = Piece {
+            ends: Moment::from_seconds(begins),
+            entry: coasting,
+            exit: coasting,
+        };
+        change.pieces(0.0).chain([coast]).chain(stop.pieces(begins))
+    }
 }
 
 #[cfg(test)]
@@ -245,7 +307,7 @@ mod tests {
                 velocity: fastest * velocity,
                 acceleration: strength.rise.min(strength.fall) * acceleration,
                 target: to.0,
-                duration: to.1,
+                duration: Some(to.1),
                 strength,
             };
             (wanted, fastest)
@@ -258,7 +320,7 @@ mod tests {
         #[test]
         fn what_is_found_is_exact((wanted, fastest) in wanted()) {
             if let Some(tried) = wanted.solved(fastest) {
-                prop_assert!(tried.beyond.abs() * COUNTS_PER_TURN as f64 <= 4.0, "{tried:?}");
+                prop_assert!(tried.beyond.abs() * COUNTS_PER_TURN as f64 <= 8.0, "{tried:?}");
             }
         }
 
@@ -276,7 +338,7 @@ mod tests {
                 velocity: 0.0,
                 acceleration: 0.0,
                 target: to.position,
-                duration: quickest.duration() * longer,
+                duration: Some(quickest.duration() * longer),
                 ..wanted
             };
             prop_assert!(rested.solved(fastest).is_some(), "{rested:?} {}", quickest.duration());

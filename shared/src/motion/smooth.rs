@@ -5,7 +5,7 @@ use super::bounds::Bounds;
 use super::chain::{Chain, turns};
 use super::change::{Change, Strength};
 use super::s_curve::{self, SignedBounds};
-use super::slower::slower;
+use super::slower::Way;
 use super::trajectory::{Sample, Trajectory};
 use crate::limits::Limits;
 use crate::time::Ticks;
@@ -62,7 +62,8 @@ pub(crate) fn from_rest(
     let sign = 1.0f64.copysign(target);
     let rest = Sample::at_rest(0.0);
     let strong = bounds.acceleration();
-    if let Some(pieces) = slower(&rest, target, duration, sign, strong, &bounds) {
+    let way = Way::new(&rest, target, sign, strong, &bounds);
+    if let Some(pieces) = way.lasting(duration) {
         return chain.lay(pieces, Some(to)).ok_or(None);
     }
     let curve = s_curve::plan(rest, Sample::at_rest(target), &bounds).map_err(|_| None)?;
@@ -88,6 +89,19 @@ fn speeding(sign: f64, from: &Sample, bounds: &Bounds) -> f64 {
     } else {
         bounds.slower_acceleration()
     }
+}
+
+/// The same bounds with the velocity that a state comes to, where that is above the limit by no
+/// more than the margin for rounding: such a state is inside the limits.
+fn above_by_rounding(from: &Sample, bounds: Bounds) -> Bounds {
+    let taken = 0.5 * from.acceleration * from.acceleration.abs() / bounds.jerk();
+    let fastest = from.velocity.abs().max((from.velocity + taken).abs());
+    let excess = fastest - bounds.velocity();
+    if excess <= 0.0 || excess > turns(ROUNDING_MARGIN as i64) {
+        return bounds;
+    }
+    let (acceleration, deceleration) = (bounds.acceleration(), bounds.deceleration());
+    Bounds::new(fastest, acceleration, deceleration, bounds.jerk()).unwrap_or(bounds)
 }
 
 /// The stop from a state.
@@ -131,7 +145,7 @@ impl Commanded {
 
     /// Lays a chain from here to rest at `target` in `duration`, or as quickly as the limits allow
     /// where that is longer.
-    pub(crate) fn to_rest(
+    pub(crate) fn rest_at(
         &self,
         chain: &mut Chain,
         target: Position,
@@ -140,6 +154,7 @@ impl Commanded {
     ) -> Option<()> {
         let bounds = bounds(limits)?;
         let from = self.entry(&bounds);
+        let bounds = above_by_rounding(&from, bounds);
         let distance = turns((target - self.state.position).counts());
         let to = target.counts();
         let stop = stopping(&from, &bounds);
@@ -153,16 +168,35 @@ impl Commanded {
         }
         let sign = 1.0f64.copysign(beyond);
         let strong = speeding(sign, &from, &bounds);
-        if let Some(pieces) = slower(&from, distance, duration, sign, strong, &bounds) {
+        let way = Way::new(&from, distance, sign, strong, &bounds);
+        if let Some(pieces) = way.lasting(duration) {
             return chain.lay(pieces, Some(to));
         }
-        let (greatest, least) = if sign < 0.0 {
-            (bounds.deceleration(), -strong)
-        } else {
-            (strong, -bounds.deceleration())
-        };
+        if let Some(pieces) = way.down() {
+            return chain.lay(pieces, Some(to));
+        }
+        // Whoever goes the wrong way above the velocity limit turns round anyway: no ramp to the
+        // limit is needed on that side.
         let velocity = bounds.velocity();
-        let signed = SignedBounds::new(velocity, -velocity, greatest, least, bounds.jerk()).ok()?;
+        let wrong = velocity.max(-sign * from.velocity);
+        let signed = if sign < 0.0 {
+            SignedBounds::new(
+                wrong,
+                -velocity,
+                bounds.deceleration(),
+                -strong,
+                bounds.jerk(),
+            )
+        } else {
+            SignedBounds::new(
+                velocity,
+                -wrong,
+                strong,
+                -bounds.deceleration(),
+                bounds.jerk(),
+            )
+        };
+        let signed = signed.ok()?;
         let curve = s_curve::to_rest(from, distance, &signed).ok()?;
         chain.lay_segments(&curve, to)
     }

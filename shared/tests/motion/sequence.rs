@@ -1,6 +1,6 @@
 //! Random sequences of everything that changes a motion, every tick of them watched.
 
-use canter_shared::limits::{DEFAULT_VALUES, LimitValues, Limits};
+use canter_shared::limits::{LimitValues, Limits};
 use canter_shared::motion::beta::Beta;
 use canter_shared::motion::trapezoid::Trapezoid;
 use canter_shared::motion::{Motion, Move, Profile, shortest_s_curve};
@@ -191,9 +191,4 @@ proptest! {
         .expect("in range");
         play(narrow, steps, true)?;
     }
-}
-
-#[test]
-fn the_defaults_are_what_the_other_tests_call_wide() {
-    assert!(DEFAULT_VALUES.position_maximum > 1_000.0);
 }

@@ -15,6 +15,10 @@ pub mod scenario;
 
 #[cfg(target_arch = "arm")]
 mod machine;
+#[cfg(target_arch = "arm")]
+mod spread;
 
 #[cfg(target_arch = "arm")]
-pub use machine::{count, finish, report};
+pub use machine::{count, finish, report, stack};
+#[cfg(target_arch = "arm")]
+pub use spread::Spread;

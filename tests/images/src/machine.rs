@@ -34,6 +34,39 @@ fn span<T>(call: impl FnOnce() -> T) -> u32 {
     after.wrapping_sub(before)
 }
 
+/// What the stack is painted with.
+const PAINT: u32 = 0x5741_4C4C;
+
+/// How far below itself [`stack`] paints, in words: 32 KiB of the machine's 128.
+const PAINTED: usize = 8 * 1024;
+
+/// How many bytes of stack `call` takes, at most 32 KiB.
+#[inline(never)]
+pub fn stack<T>(call: impl FnOnce() -> T) -> u32 {
+    let top: *mut u32;
+    // SAFETY: reads a register.
+    unsafe { core::arch::asm!("mov {}, sp", out(reg) top, options(nomem, nostack)) };
+    for below in 1..=PAINTED {
+        // SAFETY: RAM below the stack that nobody uses: the image's own data are far below, and
+        // no interrupt is on.
+        unsafe { top.sub(below).write_volatile(PAINT) };
+    }
+    black_box(apart(call));
+    for below in (1..=PAINTED).rev() {
+        // SAFETY: as above.
+        if unsafe { top.sub(below).read_volatile() } != PAINT {
+            return 4 * below as u32;
+        }
+    }
+    0
+}
+
+/// The call in a frame of its own, below that of the one who paints.
+#[inline(never)]
+fn apart<T>(call: impl FnOnce() -> T) -> T {
+    call()
+}
+
 /// Prints one result.
 pub fn report(name: impl Display, value: impl Display) {
     hprintln!("{name}={value}");

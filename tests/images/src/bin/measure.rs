@@ -2,10 +2,9 @@
 #![no_std]
 #![no_main]
 
-use core::fmt::Display;
 use core::hint::black_box;
 
-use canter_images::{count, finish, report};
+use canter_images::{Spread, count, finish, report};
 use canter_shared::drive::simulated::Simulated;
 use canter_shared::limits::Limits;
 use canter_shared::motion::beta::Beta;
@@ -23,7 +22,6 @@ const SESSION: u16 = 1;
 fn main() -> ! {
     report("calibration.nops_1000", count(nops_1000));
     measure_beta();
-    debug();
     measure_node();
     finish()
 }
@@ -33,46 +31,6 @@ fn main() -> ! {
 fn nops_1000() {
     // SAFETY: does nothing, a thousand times.
     unsafe { core::arch::asm!(".rept 1000", "nop", ".endr", options(nomem, nostack)) };
-}
-
-/// The least, the mean and the most of some counts.
-struct Spread {
-    least: u32,
-    most: u32,
-    sum: u32,
-    counts: u32,
-}
-
-impl Spread {
-    fn new() -> Self {
-        Self {
-            least: u32::MAX,
-            most: 0,
-            sum: 0,
-            counts: 0,
-        }
-    }
-
-    fn add(&mut self, count: u32) {
-        self.least = self.least.min(count);
-        self.most = self.most.max(count);
-        self.sum += count;
-        self.counts += 1;
-    }
-
-    fn merge(&mut self, other: &Self) {
-        self.least = self.least.min(other.least);
-        self.most = self.most.max(other.most);
-        self.sum += other.sum;
-        self.counts += other.counts;
-    }
-
-    fn report(&self, name: impl Display) {
-        let mean = self.sum / self.counts.max(1);
-        report(format_args!("{name}.least"), self.least);
-        report(format_args!("{name}.mean"), mean);
-        report(format_args!("{name}.most"), self.most);
-    }
 }
 
 fn measure_beta() {
@@ -332,86 +290,4 @@ fn measure_overtaken() {
     }
     frames.report("node.handle_frame_overtaking");
     ticks.report("node.tick_overtaking");
-}
-
-fn debug() {
-    use canter_shared::motion::bounds::Bounds;
-    use canter_shared::motion::s_curve::*;
-    use canter_shared::motion::trajectory::*;
-    use canter_shared::motion::*;
-    let (mut a, mut b, mut c, mut d, mut e, mut f) = (
-        Spread::new(),
-        Spread::new(),
-        Spread::new(),
-        Spread::new(),
-        Spread::new(),
-        Spread::new(),
-    );
-    let mut r = 0x9E37_79B9_7F4A_7C15u64;
-    let mut rnd = move || {
-        r ^= r << 13;
-        r ^= r >> 7;
-        r ^= r << 17;
-        (r >> 11) as f64 / (1u64 << 53) as f64
-    };
-    let bd = Bounds::new(3.18, 31.8, 31.8, 3183.0).unwrap();
-    let sb = SignedBounds::forward(&bd).unwrap();
-    for _ in 0..300 {
-        let from = Sample {
-            position: 0.0,
-            velocity: 6.0 * (rnd() - 0.5),
-            acceleration: 60.0 * (rnd() - 0.5),
-            jerk: 0.0,
-        };
-        let from = black_box(from);
-        let t = black_box(4.0 * (rnd() - 0.5));
-        a.add(count(|| change_velocity(from, 0.0, &sb)));
-        b.add(count(|| to_rest(from, t, &sb)));
-        c.add(count(|| lasting(from, t, 2.0, &sb)));
-        d.add(count(|| trapezoid::exact::to_rest(from, t, &bd)));
-    }
-    a.report("s.change"); b.report("s.to_rest"); c.report("s.lasting"); d.report("t.to_rest");
-    let (x, y) = (black_box(1.2345f64), black_box(3.456f64));
-    report("add", count(|| black_box(x) + black_box(y)));
-    report("sub", count(|| black_box(x) - black_box(y)));
-    report("mul", count(|| black_box(x) * black_box(y)));
-    report("div", count(|| black_box(x) / black_box(y)));
-    report("cmp", count(|| black_box(x) < black_box(y)));
-    report("sqrt", count(|| black_box(x).abs()));
-    report("i2d", count(|| black_box(123456789012i64) as f64));
-    report("d2i", count(|| black_box(x) as i64));
-    let limits = Limits::default();
-    for p in [Profile::Beta, Profile::SCurve, Profile::Trapezoid] {
-        let (mut a, mut b, mut c) = (Spread::new(), Spread::new(), Spread::new());
-        for _ in 0..200 {
-            let mut m = Motion::at_rest(Position::ZERO);
-            let go = Move {
-                target: Position::from_counts((rnd() * 4e10) as i64 - 20_000_000_000),
-                duration: Ticks(4000),
-                profile: p,
-            };
-            a.add(count(|| {
-                m.start(Tick(0), Tick(0), black_box(go), &limits).is_ok()
-            }));
-            let now = Tick(1000 + (2500.0 * rnd()) as u64);
-            let mut m2 = m.clone();
-            let go = Move {
-                target: Position::from_counts((rnd() * 4e10) as i64 - 20_000_000_000),
-                duration: Ticks(1000),
-                profile: p,
-            };
-            b.add(count(|| m.start(now, now, black_box(go), &limits).is_ok()));
-            c.add(count(|| m2.stop(now, black_box(&limits))));
-            d.add(count(|| black_box(&m2).clone()));
-            let m2 = black_box(&m);
-            e.add(count(|| m2.at(black_box(Tick(now.0 + 100)))));
-            f.add(count(|| m.fold(black_box(Tick(now.0)))));
-        }
-        a.report("m.start");
-        b.report("m.retarget");
-        c.report("m.stop");
-        d.report("clone");
-        e.report("at");
-        f.report("fold");
-    }
 }
