@@ -193,7 +193,7 @@ impl Axis {
     pub fn is_moving(&self) -> bool {
         self.planning.is_about_to_move()
             || self.course.is_moving(self.tick)
-            || !self.shaper.is_settled()
+            || self.shapes() && !self.shaper.is_settled()
     }
 
     /// Shapes the setpoints for a mode of the machine from now on, or no longer. Moves and stops
@@ -205,13 +205,19 @@ impl Axis {
         if self.is_moving() {
             return Err(ShapingError::Moving);
         }
+        // It did not follow what it did not shape.
+        self.shaper.reset(self.setpoint.position);
         self.shaper.change(shaping)
+    }
+
+    fn shapes(&self) -> bool {
+        self.shaper.delay() > Ticks(0)
     }
 
     /// The limits to plan inside. A shaped setpoint is a mean of several, some of which may speed
     /// up while others slow down: then one limit of acceleration must do for both.
     fn planning_limits(&self) -> Limits {
-        if self.shaper.delay() > Ticks(0) {
+        if self.shapes() {
             self.limits.symmetric()
         } else {
             self.limits
@@ -230,10 +236,14 @@ impl Axis {
         self.follow_course();
         self.supervise();
         if self.state.drives() {
-            let shaping = !self.shaper.is_settled();
-            self.setpoint = self.shaper.shape(self.course.at(tick));
-            let arrived = self.course.fold(tick) || shaping;
-            if arrived && self.shaper.is_settled() {
+            self.setpoint = self.course.at(tick);
+            let mut arrived = self.course.fold(tick);
+            if self.shapes() {
+                let late = !self.shaper.is_settled();
+                self.setpoint = self.shaper.shape(self.setpoint);
+                arrived = (arrived || late) && self.shaper.is_settled();
+            }
+            if arrived {
                 self.telemetry.hasten();
             }
         }

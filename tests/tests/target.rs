@@ -97,7 +97,7 @@ fn motions_keep_their_budget_of_instructions_and_stack() {
     holds(&results, "motion.start_trapezoid.most", PLAN);
     holds(&results, "motion.limits_trapezoid.most", PLAN);
     for name in ["start", "retarget", "stop", "limits", "tick"] {
-        bytes(&results, &format!("stack.{name}"), 9_216);
+        bytes(&results, &format!("stack.{name}"), 10_240);
     }
     bytes(&results, "motion.bytes", 2_048);
 }

@@ -57,6 +57,10 @@ impl Axis {
     /// Forgets what was prepared for later; `why` is the answer to what is still being checked.
     pub(super) fn forget_moves(&mut self, why: Refusal) {
         self.call_off_stages(why);
+        self.forget_prepared();
+    }
+
+    fn forget_prepared(&mut self) {
         self.staged = None;
         self.prepared = Prepared::default();
     }
@@ -69,7 +73,8 @@ impl Axis {
         self.fault = Some(fault);
         self.request = None;
         let latched = (Reason::FaultLatched, u8::from(fault).into());
-        self.forget_moves(latched);
+        self.forget_prepared();
+        // It calls off the moves that were only to be checked, too.
         self.want_stop(latched);
         // No answer from before the fault is true any more.
         self.last_command = None;
@@ -113,7 +118,6 @@ impl Axis {
     }
 
     fn advance(&mut self) {
-        let at_rest = !self.is_moving();
         match self.state {
             State::NotReadyToSwitchOn => {
                 if let Some(report) = self.drive.filter(|_| self.drive_is_ready()) {
@@ -148,12 +152,12 @@ impl Axis {
                     self.enter(State::QuickStopActive);
                 }
             }
-            State::QuickStopActive if at_rest => {
+            State::QuickStopActive if !self.is_moving() => {
                 self.request = None;
                 self.rest();
                 self.enter(State::SwitchOnDisabled);
             }
-            State::FaultReactionActive if at_rest => {
+            State::FaultReactionActive if !self.is_moving() => {
                 self.rest();
                 self.enter(State::Fault);
             }
@@ -171,6 +175,8 @@ impl Axis {
     /// Forgets all motion, at rest at `position`.
     fn stand(&mut self, position: Position) {
         self.course.rest(position);
-        self.shaper.reset(position);
+        if self.shapes() {
+            self.shaper.reset(position);
+        }
     }
 }

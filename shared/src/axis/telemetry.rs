@@ -6,10 +6,10 @@ use heapless::Deque;
 
 /// Ticks between two feedback frames: 50 Hz. Twelve axes then take 12 * 50 * 135 us = 8 % of a
 /// bus of 1 Mbit/s.
-const FEEDBACK_PERIOD: u64 = 20;
+const FEEDBACK_PERIOD: u32 = 20;
 
 /// Ticks between two heartbeats: 10 Hz.
-const HEARTBEAT_PERIOD: u64 = 100;
+const HEARTBEAT_PERIOD: u32 = 100;
 
 /// Ticks by which the axes' periods are shifted against each other, times the axis id, so that
 /// they do not all speak at once.
@@ -75,7 +75,8 @@ impl Telemetry {
     }
 
     pub(super) fn tick(&mut self, tick: Tick) {
-        let shifted = tick.0.wrapping_add(self.stagger);
+        // In 32 bits, which the processor divides by itself; once in 49 days a period is cut short.
+        let shifted = tick.0.wrapping_add(self.stagger) as u32;
         self.feedback_due |= shifted.is_multiple_of(FEEDBACK_PERIOD);
         self.heartbeat_due |= shifted.is_multiple_of(HEARTBEAT_PERIOD);
     }

@@ -279,10 +279,11 @@ impl Beta {
     #[inline(always)]
     fn first_half(&self, elapsed: u32) -> i64 {
         let fraction = u64::from(elapsed) * self.step;
-        let polynomial = SHAPE
-            .into_iter()
-            .reduce(|sum, coefficient| scale(sum, fraction) + coefficient)
-            .unwrap_or(0);
+        // Written out: a loop would stay one in an image that is compiled to be small.
+        let [c9, c8, c7, c6, c5, c4, c3, c2, c1, c0] = SHAPE;
+        let high = scale(scale(scale(c9, fraction) + c8, fraction) + c7, fraction) + c6;
+        let middle = scale(scale(scale(high, fraction) + c5, fraction) + c4, fraction) + c3;
+        let polynomial = scale(scale(scale(middle, fraction) + c2, fraction) + c1, fraction) + c0;
         let cube = multiply(multiply(fraction, fraction), fraction);
         let power = multiply(cube, square_root(fraction));
         // P is positive and F at most 1/2: Q57 times Q64 >> 64 is Q57, and 7 bits more are Q64.
