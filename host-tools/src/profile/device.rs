@@ -11,7 +11,7 @@ use canter_shared::motion::beta::Beta;
 use canter_shared::motion::error::ProfileError;
 use canter_shared::motion::trajectory::{Peaks, Sample, Trajectory};
 use canter_shared::motion::trapezoid::Trapezoid;
-use canter_shared::motion::{Motion, Move, PlanError as MotionError, Profile};
+use canter_shared::motion::{Motion, Move, PlanError as MotionError, Profile, shortest_s_curve};
 use canter_shared::time::{Tick, Ticks};
 use canter_shared::units::Position;
 use canter_shared::wire::command::wire_position;
@@ -41,6 +41,7 @@ impl Setpoints {
         let range = (target - from).abs() + RANGE_MARGIN;
         let shortest = match request.kind {
             Kind::Trapezoid => Trapezoid::shortest(range, &limits).map(|shape| shape.duration()),
+            Kind::SCurve => shortest_s_curve(range, &limits),
             _ => Beta::shortest(range, &limits),
         }
         .ok_or(MotionError::TooLong)?;
@@ -67,6 +68,7 @@ impl Setpoints {
                     deceleration: shape.deceleration(),
                 }
             }
+            Kind::SCurve => Profile::SCurve,
             _ => Profile::Beta,
         };
         let asked = Move {
@@ -151,8 +153,8 @@ fn refuse(request: &Request) -> Result<(), PlanError> {
         profile: request.kind,
         cure,
     };
-    if !matches!(request.kind, Kind::Beta | Kind::Trapezoid) {
-        return Err(not("--device", "nodes send beta and trapezoid"));
+    if !matches!(request.kind, Kind::Beta | Kind::Trapezoid | Kind::SCurve) {
+        return Err(not("--device", "nodes send beta, trapezoid and s-curve"));
     }
     let cure = "nodes do not take it with a move; leave out --device";
     if request.exponent.is_some() {

@@ -109,3 +109,38 @@ fn setpoints_are_held_between_ticks_and_counted_in_whole_ones() {
         got[5]
     );
 }
+
+/// The s-curve in integers follows the one in f64, and keeps its limits.
+#[test]
+fn an_s_curve_is_the_same_on_the_device() {
+    let arguments = "--profile s-curve --from 0 --to 2 --vmax 3 --amax 40 --dmax 25 --jmax 900";
+    let told = summary(&format!("--device {arguments}"));
+    let duration = told["duration"].as_f64().expect("seconds");
+    let exact = summary(arguments)["duration"].as_f64().expect("seconds");
+    // Up to whole ticks, and one more for what the wire may round.
+    assert!(
+        (exact..=exact + 2e-3).contains(&duration),
+        "{duration}, {exact}"
+    );
+    for (key, most) in [
+        ("peak_velocity", 3.0),
+        ("peak_acceleration", 40.0),
+        ("peak_jerk", 900.0),
+    ] {
+        let peak = told[key].as_f64().expect("a number");
+        // The change from tick to tick of an acceleration that is rounded to counts.
+        let rounding = if key == "peak_jerk" { 1e-6 } else { 0.0 };
+        assert!(
+            peak <= most * (1.0 + 1e-9) + rounding * most,
+            "{key}: {peak}"
+        );
+    }
+    let times = (0..).map(|tick| f64::from(tick) * 1e-3);
+    let times: Vec<f64> = times.take_while(|time| *time <= duration).collect();
+    let device = super::rows_at(&format!("--device {arguments}"), times.clone());
+    let same = format!("{arguments} --duration {duration}");
+    for (device, exact) in device.iter().zip(super::rows_at(&same, times)) {
+        // The wire's microradian, and the slower cruise that both of them found.
+        assert!((device[1] - exact[1]).abs() < 2e-6, "{device:?}, {exact:?}");
+    }
+}
