@@ -70,7 +70,7 @@ pub const OVERLAID_MOVES: usize = 2;
 const BETAS: usize = OVERLAID_MOVES + 1;
 
 /// Phases that the base may hold: the longest chain, and what is left of another before it.
-const PHASES: usize = MOST_SEGMENTS + 4;
+const PHASES: usize = MOST_SEGMENTS + 2;
 
 /// What an axis is told to do at one tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
