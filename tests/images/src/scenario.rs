@@ -3,9 +3,10 @@
 
 use canter_shared::drive::simulated::Simulated;
 use canter_shared::limits::Limits;
+use canter_shared::motion::shaping::{ShaperKind, Shaping};
 use canter_shared::node::{AxisSetpoint, Board, Identity, Node};
 use canter_shared::time::{BusTime, LocalTime, Ticks};
-use canter_shared::units::Position;
+use canter_shared::units::{Acceleration, Jerk, Position, Velocity};
 use canter_shared::wire::command::{Action, Command, ProfileKind, Session};
 use canter_shared::wire::frame::Frame;
 use canter_shared::wire::id::{Address, AxisId};
@@ -119,6 +120,10 @@ impl Player {
             let added = node.add_axis(axis, Limits::default(), Simulated::new(Position::ZERO));
             assert!(added.is_ok(), "the node has room for its axes");
         }
+        // The second one carries something that swings.
+        let shaping = Shaping::new(ShaperKind::Zvd, 11.0, 0.03).ok();
+        let shaped = AxisId::new(2).map(|axis| node.shape(axis, shaping.as_ref()));
+        assert!(shaping.is_some() && shaped == Some(Ok(())), "it rests");
         Self {
             node,
             random: 0x9E37_79B9_7F4A_7C15,
@@ -190,10 +195,10 @@ impl Player {
     }
 
     fn move_axis(&mut self, now: LocalTime, axis: AxisId, target: Position, duration: Ticks) {
-        let profile = if self.below(3) == 0 {
-            ProfileKind::Trapezoid
-        } else {
-            ProfileKind::Beta
+        let profile = match self.below(6) {
+            0 | 1 => ProfileKind::Trapezoid,
+            2 | 3 => ProfileKind::SCurve,
+            _ => ProfileKind::Beta,
         };
         if profile == ProfileKind::Trapezoid && self.below(2) == 0 {
             let shape = Command::TrapezoidShape {
@@ -202,6 +207,29 @@ impl Player {
                 sequence: self.next_sequence(),
             };
             self.say(now, axis.into(), shape);
+        }
+        if profile == ProfileKind::SCurve && self.below(2) == 0 {
+            // Down to a quarter of the axis's own.
+            let limit = |own: i64, sixteenths: u64| own / 16 * (4 + sixteenths as i64);
+            let own = Limits::default();
+            let ramps = Command::RampLimits {
+                acceleration: Acceleration::from_counts(limit(
+                    own.acceleration().counts(),
+                    self.below(13),
+                )),
+                deceleration: Acceleration::from_counts(limit(
+                    own.deceleration().counts(),
+                    self.below(13),
+                )),
+                sequence: self.next_sequence(),
+            };
+            self.say(now, axis.into(), ramps);
+            let peaks = Command::PeakLimits {
+                velocity: Velocity::from_counts(limit(own.velocity().counts(), self.below(13))),
+                jerk: Jerk::from_counts(limit(own.jerk().counts(), self.below(13))),
+                sequence: self.next_sequence(),
+            };
+            self.say(now, axis.into(), peaks);
         }
         let staged = self.below(4) == 0;
         let sequence = self.next_sequence();
