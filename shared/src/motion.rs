@@ -21,6 +21,7 @@
 //! | `bezier` | Bezier curves up to degree 16 |
 //! | `sync` | several axes that arrive together, or on a straight line |
 //! | `stop` | the controlled stop from any state |
+//! | `passing` | stops and moves that take over from a stream |
 //! | `shaping` | setpoints that leave a mode of the machine at rest |
 //! | `stream` | knots at a fixed period, and the curves between them |
 //! | `chain`, `phase` | polynomial pieces in integers |
@@ -35,6 +36,7 @@ mod depart;
 pub mod error;
 mod fixed;
 mod overlay;
+mod passing;
 mod phase;
 pub mod polynomial;
 mod request;

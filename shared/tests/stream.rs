@@ -2,6 +2,8 @@
 
 #[path = "stream/hermite.rs"]
 mod hermite;
+#[path = "stream/leaving.rs"]
+mod leaving;
 
 use canter_shared::limits::{DEFAULT_VALUES, LimitValues, Limits};
 use canter_shared::motion::Setpoint;

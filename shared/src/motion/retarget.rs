@@ -205,7 +205,12 @@ struct Departure {
 /// Lays a chain from a commanded state to a target; `None` where it would leave the travel or last
 /// longer than a move may.
 #[inline(never)]
-fn lead(chain: &mut Chain, commanded: &Commanded, asked: Move, limits: &Limits) -> Option<()> {
+pub(super) fn lead(
+    chain: &mut Chain,
+    commanded: &Commanded,
+    asked: Move,
+    limits: &Limits,
+) -> Option<()> {
     let Move {
         target,
         duration,

@@ -9,7 +9,7 @@ use crate::time::Tick;
 
 /// Multiples of the jerk limit that a stop is tried with where it would leave the travel: the
 /// travel goes before the jerk.
-const HARDER: [f64; 4] = [4.0, 16.0, 256.0, 65_536.0];
+pub(super) const HARDER: [f64; 4] = [4.0, 16.0, 256.0, 65_536.0];
 
 impl Motion {
     /// Comes to rest as quickly as the limits allow, wherever that is; what was still to start is

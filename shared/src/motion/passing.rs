@@ -1,0 +1,70 @@
+//! Taking over from what is not a [`Motion`], a stream above all: from any commanded state.
+
+use super::chain::Chain;
+use super::depart::inside;
+use super::retarget::lead;
+use super::smooth::Commanded;
+use super::stop::HARDER;
+use super::{Motion, Move, PlanError, Planned, Setpoint};
+use crate::limits::Limits;
+use crate::time::{LONGEST_MOVE, Tick};
+
+impl Motion {
+    /// The quickest stop inside the limits from `state`, which was commanded at `now`.
+    ///
+    /// As [`Self::stop`] it takes more jerk than the limit rather than leave the travel. `None`
+    /// where even that would leave it, or the state is beyond what any axis does; a knot that a
+    /// stream has taken on leaves room to stop.
+    pub fn stop_from(now: Tick, state: Setpoint, limits: &Limits) -> Option<Self> {
+        let commanded = Commanded {
+            state,
+            steps: false,
+        };
+        [1.0].into_iter().chain(HARDER).find_map(|times| {
+            let mut chain = Chain::new(now, state.position.counts());
+            commanded.stop(&mut chain, limits, times)?;
+            chain
+                .stays(limits)
+                .then(|| Self::of(state, now, &chain))
+                .flatten()
+        })
+    }
+
+    /// A move from `state`, which was commanded at `now`, as [`Self::start`] makes it in mid-move:
+    /// a trapezoid goes on from the velocity, everything else along an s-curve, for longer than
+    /// asked where the limits ask for it.
+    ///
+    /// # Errors
+    /// A target outside the travel, or one that can only be reached through outside: stop first. A
+    /// duration that is too long.
+    pub fn start_from(
+        now: Tick,
+        state: Setpoint,
+        asked: Move,
+        limits: &Limits,
+    ) -> Result<(Self, Planned), PlanError> {
+        let target = asked.target;
+        inside(target, limits)?;
+        if asked.duration > LONGEST_MOVE {
+            return Err(PlanError::TooLong);
+        }
+        let commanded = Commanded {
+            state,
+            steps: false,
+        };
+        let mut chain = Chain::new(now, state.position.counts());
+        let outside = PlanError::OutsideTravel {
+            target,
+            nearest: target,
+        };
+        lead(&mut chain, &commanded, asked, limits).ok_or(outside)?;
+        let motion = Self::of(state, now, &chain).ok_or(outside)?;
+        let end = chain.end;
+        Ok((motion, Planned { start: now, end }))
+    }
+
+    fn of(state: Setpoint, now: Tick, chain: &Chain) -> Option<Self> {
+        let mut motion = Self::at_rest(state.position);
+        motion.take_over(now, chain).then_some(motion)
+    }
+}
