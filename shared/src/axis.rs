@@ -13,7 +13,7 @@
 //!
 //! | file | what it holds |
 //! |---|---|
-//! | `command` | what each command does, and its answer |
+//! | `command`, `answer` | what each command does, and its answer |
 //! | `commander` | who holds the axis |
 //! | `prepared` | what is told ahead of a move |
 //! | `planning` | changes of motion: decided, planned, committed |
@@ -22,6 +22,7 @@
 //! | `state`, `fault` | their tables |
 //! | `telemetry` | what is sent, and when |
 
+mod answer;
 mod command;
 mod commander;
 mod course;

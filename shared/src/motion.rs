@@ -1,30 +1,38 @@
 //! From limits to setpoints.
 //!
 //! A [`Motion`] is what an axis is doing: a base (rest, or phases of constant jerk such as a stop,
-//! a trapezoid or an s-curve) and beta moves laid over it. Every piece is evaluated from its own start tick
-//! in integers, and what has ended is folded into the base, so nothing drifts.
+//! a trapezoid or an s-curve) and beta moves laid over it. Every piece is evaluated from its own
+//! start in integers, and what has ended is folded into the base, so nothing drifts.
+//!
+//! In f64, for planning on host and device and for study; units are the caller's own:
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `trajectory` | what every profile in f64 can tell |
+//! | `bounds`, `error` | its limits, and why it cannot be made |
+//! | `segments` | pieces of constant jerk |
+//! | `beta::exact`, `beta::general` | the beta S-curve, with p = 5/2 and with any p |
+//! | `trapezoid::exact` | constant acceleration, cruise, constant deceleration |
+//! | `s_curve` | time-optimal with a limit of jerk, from state to state |
+//! | `polynomial` | cubic, quintic and septic between boundary values |
+//! | `bezier` | Bezier curves up to degree 16 |
+//! | `sync` | several axes that arrive together, or on a straight line |
+//!
+//! In integers, what a node commands:
 //!
 //! | file | what it holds |
 //! |---|---|
 //! | `request` | what is asked for, what was taken on, and why not |
-//! | `trajectory` | what every profile in f64 can tell |
-//! | `bounds`, `error` | its limits, and why it cannot be made |
-//! | `segments` | pieces of constant jerk in f64 |
-//! | `beta` | the beta S-curve, integers and f64 |
-//! | `s_curve` | time-optimal with a limit of jerk, from state to state |
-//! | `trapezoid` | constant acceleration, cruise, constant deceleration |
-//! | `smooth`, `slower`, `change` | s-curves on the device, with a slower cruise, one ramp of them |
 //! | `depart` | moves from rest |
 //! | `retarget` | another target, or other limits, in mid-move |
-//! | `overlay` | whether beta moves laid over each other keep the limits |
-//! | `polynomial` | cubic, quintic and septic between boundary values |
-//! | `bezier` | Bezier curves up to degree 16 |
-//! | `sync` | several axes that arrive together, or on a straight line |
 //! | `stop` | the controlled stop from any state |
 //! | `passing` | stops and moves that take over from a stream |
-//! | `shaping` | setpoints that leave a mode of the machine at rest |
+//! | `beta`, `overlay` | beta moves, and whether two of them laid over each other keep the limits |
+//! | `trapezoid` | trapezoids of whole ticks, and to rest from any velocity |
+//! | `smooth`, `slower`, `change` | s-curves, with a slower cruise, and one ramp of them |
+//! | `chain`, `phase` | pieces of constant jerk |
 //! | `stream` | knots at a fixed period, and the curves between them |
-//! | `chain`, `phase` | polynomial pieces in integers |
+//! | `shaping` | setpoints that leave a mode of the machine at rest |
 //! | `fixed` | 64-bit fractions |
 
 pub mod beta;

@@ -1,10 +1,11 @@
 //! What each command does to an axis, and what is answered.
 
+use super::answer::{Refusal, acknowledgement};
 use super::fault::Fault;
 use super::planning::{Leave, WantedMove};
 use super::state::State;
 use super::{Axis, Outcome, Reply, Request};
-use crate::motion::{Move, PlanError};
+use crate::motion::Move;
 use crate::time::{BusTime, LONGEST_MOVE, Tick, Ticks};
 use crate::units::{Acceleration, Jerk, Velocity};
 use crate::wire::command::{Action, Command, Session};
@@ -12,14 +13,10 @@ use crate::wire::frame::Frame;
 use crate::wire::id::Function;
 use crate::wire::layout::POSITION_STEP;
 use crate::wire::reason::Reason;
-use crate::wire::report::Report;
 
 /// How far ahead a trigger may name its start: 10 s. A start beyond that is a mistake, and would
 /// keep the clock from being set meanwhile.
 const LONGEST_LEAD: Ticks = Ticks(10_000);
-
-/// A refusal: its reason, and the detail that the reason's table promises.
-pub(super) type Refusal = (Reason, u32);
 
 /// What became of a command that is in order.
 #[derive(Debug, Clone, Copy)]
@@ -368,31 +365,6 @@ impl Axis {
     }
 }
 
-pub(super) fn acknowledgement(
-    function: Function,
-    sequence: u8,
-    answer: Result<u32, Refusal>,
-) -> Report {
-    let (reason, detail) = match answer {
-        Ok(detail) => (Reason::Accepted, detail),
-        Err(refusal) => refusal,
-    };
-    Report::Acknowledgement {
-        sequence,
-        function,
-        reason,
-        detail,
-    }
-}
-
 fn tick_of(now: BusTime) -> Tick {
     Tick(now.0 / crate::time::MICROSECONDS_PER_TICK)
-}
-
-pub(super) fn refusal(error: PlanError) -> Refusal {
-    match error {
-        PlanError::OutsideTravel { .. } => (Reason::OutsideTravel, 0),
-        PlanError::TooFast { shortest } => (Reason::TooFast, shortest.0),
-        PlanError::TooLong => (Reason::TooLong, 0),
-    }
 }

@@ -25,7 +25,7 @@
 //! What is asked for in more than one place and not in every tick is not inlined: at the level that
 //! the tick's arithmetic is compiled with it would take kilobytes of flash.
 
-use super::command::{Refusal, refusal};
+use super::answer::{Refusal, acknowledgement, refusal};
 use super::prepared::Prepared;
 use super::{Axis, Departure, Outcome, Reply, Staged};
 use crate::limits::Limits;
@@ -372,7 +372,7 @@ impl Axis {
         number: u32,
         answer: Result<u32, Refusal>,
     ) -> Outcome {
-        let report = super::command::acknowledgement(wanted.function, wanted.sequence, answer);
+        let report = acknowledgement(wanted.function, wanted.sequence, answer);
         for last in [&mut self.last_command, &mut self.last_trigger] {
             if let Some((_, reply)) = last
                 && *reply == Reply::Waits(number)

@@ -1,6 +1,6 @@
 //! What an axis watches at every tick, and the way from state to state.
 
-use super::command::Refusal;
+use super::answer::Refusal;
 use super::fault::Fault;
 use super::prepared::Prepared;
 use super::state::State;
