@@ -7,12 +7,13 @@ use canter_shared::time::Ticks;
 use canter_shared::wire::report::Report;
 use canter_tests::candump::Candump;
 use canter_tests::measurement;
+use canter_tests::trace::Row;
 use std::f64::consts::PI;
 use std::io::Write;
 use std::process::{Command, Stdio};
 
-/// Twice the jerk of a beta move at the default limits, in rad/s^3: two moves laid over each other.
-const JERK: f64 = 2.0 * 20_000.0;
+/// The default limit of jerk in rad/s^3, which two moves laid over each other keep as well.
+const JERK: f64 = 20_000.0;
 
 #[test]
 fn three_axes_leave_together_follow_the_curve_and_arrive_in_one_tick() {
@@ -137,6 +138,27 @@ fn a_trapezoid_keeps_the_limits_that_were_asked_for() {
         strongest(1, -1.0)
     );
     assert_eq!(trace.stretches(1).len(), 1);
+    let rests = |id| trace.stretches(id)[0].rows.last().map(|row| row.tick);
+    assert_eq!(rests(1), rests(2));
+}
+
+#[test]
+fn an_s_curve_keeps_the_limits_that_were_asked_for() {
+    let robot = Robot::start("vcan1");
+    robot.enable();
+    let request = "move 1=3 2=-1 --profile s-curve --vmax 5 --amax 20 --dmax 40 --jmax 400";
+    robot.run(request).success();
+    let trace = robot.finish();
+    trace.keeps(&Limits::default(), 400.0);
+    let peak = |value: fn(&Row) -> f64| trace.axis(1).iter().map(value).fold(0.0, f64::max);
+    let (fastest, up, down) = (
+        peak(|row| row.velocity.abs()),
+        peak(|row| row.acceleration),
+        peak(|row| -row.acceleration),
+    );
+    assert!(fastest <= 5.0 && fastest > 4.9, "{fastest}");
+    assert!(up <= 20.0 && up > 19.0, "{up}");
+    assert!(down <= 40.0 && down > 39.0, "{down}");
     let rests = |id| trace.stretches(id)[0].rows.last().map(|row| row.tick);
     assert_eq!(rests(1), rests(2));
 }
