@@ -9,12 +9,20 @@ use super::change::{Change, Number, Strength};
 use super::phase::{Moment, Rates};
 use super::trajectory::Sample;
 use crate::time::Ticks;
+use crate::units::COUNTS_PER_TURN;
+use core::mem::replace;
 
 /// A change of velocity, a cruise, and a stop.
 const PIECES: usize = 7;
 
 /// Halvings of the bracket, or better, in f32.
 const STEPS: usize = 20;
+
+/// Steps of the secant in f64 that make it exact.
+const MOST_SECANTS: usize = 3;
+
+/// How far from the target counts as there: half a count of 2^-32 turn.
+const EXACT: f64 = 0.5 / COUNTS_PER_TURN as f64;
 
 /// Halvings for the fastest cruise, which only has to be an upper bound.
 const COARSE_STEPS: usize = 10;
@@ -74,12 +82,17 @@ impl Wanted<f64> {
         if coarse.with(velocity).cruise < -1e-3 * coarse.duration.unwrap_or_default() {
             return None;
         }
-        let first = self.with(f64::from(velocity));
-        let mut tried = self.with(first.velocity - first.beyond / f64::from(slope));
-        let gained = first.beyond - tried.beyond;
-        if gained != 0.0 {
+        let mut before = self.with(f64::from(velocity));
+        let mut tried = self.with(before.velocity - before.beyond / f64::from(slope));
+        // One step of the secant is nearly always enough, and costs as much as all in f32.
+        for _ in 0..MOST_SECANTS {
+            let gained = before.beyond - tried.beyond;
+            if gained == 0.0 || tried.beyond.abs() <= EXACT {
+                break;
+            }
             let share = tried.beyond / gained;
-            tried = self.with(tried.velocity - share * (first.velocity - tried.velocity));
+            let next = tried.velocity - share * (before.velocity - tried.velocity);
+            before = replace(&mut tried, self.with(next));
         }
         let inside = 0.0 < tried.velocity && tried.velocity <= fastest && 0.0 <= tried.cruise;
         inside.then_some(tried)
@@ -288,7 +301,6 @@ mod tests {
     use super::*;
     use crate::motion::s_curve::{self, SignedBounds};
     use crate::motion::trajectory::Trajectory;
-    use crate::units::COUNTS_PER_TURN;
     use proptest::prelude::*;
 
     fn wanted() -> impl Strategy<Value = (Wanted<f64>, f64)> {
@@ -331,9 +343,13 @@ mod tests {
             longer in 1.001..5.0f64,
         ) {
             let Strength { rise, fall, jerk } = wanted.strength;
-            let signed = SignedBounds::new(fastest, -fastest, rise, -fall, jerk).expect("valid");
+            let Ok(signed) = SignedBounds::new(fastest, -fastest, rise, -fall, jerk) else {
+                return Err(TestCaseError::reject("limits"));
+            };
             let (from, to) = (Sample::at_rest(0.0), Sample::at_rest(wanted.target + 0.01));
-            let quickest = s_curve::time_optimal(from, to, &signed).expect("valid");
+            let Ok(quickest) = s_curve::time_optimal(from, to, &signed) else {
+                return Err(TestCaseError::fail("limits that any axis may have"));
+            };
             let rested = Wanted {
                 velocity: 0.0,
                 acceleration: 0.0,
