@@ -85,17 +85,15 @@ fn motions_keep_their_budget_of_instructions_and_stack() {
     for name in ["overlay", "stop_beta", "stop_trapezoid", "stop_s_curve"] {
         holds(&results, &format!("motion.{name}.most"), 20_000);
     }
-    for name in ["retarget_trapezoid", "retarget_again_trapezoid"] {
-        holds(&results, &format!("motion.{name}.most"), 20_000);
-    }
-    // A beta move that leaves no room for another goes on along an s-curve.
-    for name in ["beta", "s_curve"] {
-        for what in ["start", "retarget", "retarget_again", "limits"] {
-            holds(&results, &format!("motion.{what}_{name}.most"), PLAN);
+    for name in ["beta", "trapezoid"] {
+        for what in ["start", "retarget", "retarget_again"] {
+            holds(&results, &format!("motion.{what}_{name}.most"), 20_000);
         }
+        holds(&results, &format!("motion.limits_{name}.most"), PLAN);
     }
-    holds(&results, "motion.start_trapezoid.most", PLAN);
-    holds(&results, "motion.limits_trapezoid.most", PLAN);
+    for what in ["start", "retarget", "retarget_again", "limits"] {
+        holds(&results, &format!("motion.{what}_s_curve.most"), PLAN);
+    }
     for name in ["start", "retarget", "stop", "limits", "tick"] {
         bytes(&results, &format!("stack.{name}"), 10_240);
     }

@@ -13,11 +13,12 @@ impl Motion {
     /// `now` is the tick of the last setpoint that stays as it is, from which nothing may jump.
     ///
     /// From rest the move is the one asked for, or an error. Under way, a beta move is laid over
-    /// what is left of another, for longer than asked where the sum would break a limit. Where no
-    /// such duration is near, where something else than one beta move is under way, and for an
-    /// s-curve, an s-curve leads from the commanded position, velocity and acceleration to the new
-    /// target. A trapezoid goes on from the commanded velocity. What is under way goes on until
-    /// `start`. Where the way to the new target would leave the travel, the axis stops first.
+    /// what is left of another, for longer than asked where the sum would break a limit, and from
+    /// the middle of the other on where there is no room before. Where there is none at all, it
+    /// follows the other if that leads the same way; else, and where something else is under way,
+    /// the axis stops first. An s-curve leads from the commanded position, velocity and acceleration
+    /// to the new target, and a trapezoid from the commanded velocity. What is under way goes on
+    /// until `start`. Where the way to the new target would leave the travel, the axis stops first.
     ///
     /// A move that was taken on but has not left yet is replaced.
     ///

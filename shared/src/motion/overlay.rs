@@ -15,10 +15,12 @@ use crate::time::{LONGEST_MOVE, TICKS_PER_SECOND, Tick, Ticks};
 use crate::units::Position;
 
 /// Windows over what is left of the moves under way: more find a shorter duration, and cost more.
-const WINDOWS: usize = 24;
+const WINDOWS: usize = 10;
 
-/// How many times the asked duration is tried, in eighths.
-const STRETCHES: [u64; 8] = [8, 9, 10, 12, 14, 16, 20, 24];
+/// How many times the asked duration is tried, in eighths: where not even the longest fits, the
+/// others need not be looked at.
+const STRETCHES: [u64; 2] = [8, 14];
+const LONGEST_STRETCH: u64 = 24;
 
 /// What a sum of fractions of a limit must stay below: 16 times 2^-22, where each of the few
 /// operations behind a fraction errs by at most 2^-24.
@@ -304,12 +306,9 @@ pub(crate) fn overlay(
         .map(|beta| (beta.range() - beta.position(start)).counts());
     let room = Room::at(place, left.chain([range.counts()]), limits);
     let scale = Scale::of(limits);
-    let asked = asked.0.max(1) as f32;
-    let alone = Curve::new(0.0, range.counts(), asked, &scale).stretch();
-    // Rounded up by more than an f32 errs.
-    let least = (asked * alone / ALLOWED) as u64 + u64::from(alone > 1.0);
+    let least = at_least(range, asked, &scale);
     let others = UnderWay::new(under_way, start, &scale);
-    STRETCHES.into_iter().find_map(|eighths| {
+    let fitting = |eighths: u64| {
         let duration = (least * eighths).div_ceil(8);
         if duration > u64::from(LONGEST_MOVE.0) {
             return None;
@@ -320,7 +319,24 @@ pub(crate) fn overlay(
         }
         let added = Beta::new(start, range, Ticks(duration as u32));
         added.keeps(limits).then_some(added)
-    })
+    };
+    let longest = fitting(LONGEST_STRETCH)?;
+    STRETCHES.into_iter().find_map(fitting).or(Some(longest))
+}
+
+/// The duration in ticks, or what the limits ask for where that is longer, rounded up by more than
+/// an f32 errs.
+fn at_least(range: Position, asked: Ticks, scale: &Scale) -> u64 {
+    let asked = asked.0.max(1) as f32;
+    let alone = Curve::new(0.0, range.counts(), asked, scale).stretch();
+    (asked * alone / ALLOWED) as u64 + u64::from(alone > 1.0)
+}
+
+/// A duration in which a beta move by `range` keeps the limits: the one asked for, or the least that
+/// does but for rounding.
+pub(crate) fn long_enough(range: Position, asked: Ticks, limits: &Limits) -> Ticks {
+    let least = at_least(range, asked, &Scale::of(limits));
+    Ticks(u32::try_from(least).unwrap_or(u32::MAX))
 }
 
 /// Whether moves under way keep `limits` from `now` on.

@@ -1,5 +1,6 @@
 //! Another target, or other limits, in mid-move: from the commanded state, and nothing jumps.
 
+use super::beta::Beta;
 use super::chain::{Chain, turns};
 use super::depart::{inside, shortest};
 use super::smooth::Commanded;
@@ -7,6 +8,7 @@ use super::{Motion, Move, OVERLAID_MOVES, PlanError, Planned, Profile};
 use super::{overlay, smooth, trapezoid};
 use crate::limits::Limits;
 use crate::time::{Tick, Ticks};
+use crate::units::Position;
 
 impl Motion {
     /// Changes the target under way at `start`: by laying a beta move over it, by a curve from the
@@ -18,10 +20,15 @@ impl Motion {
         asked: Move,
         limits: &Limits,
     ) -> Result<Planned, PlanError> {
-        if asked.profile == Profile::Beta
-            && let Some(end) = self.lay_over(start, asked, limits)
-        {
-            return Ok(Planned { start, end });
+        if asked.profile == Profile::Beta {
+            return match self.lay_over(start, asked, limits) {
+                Some(planned) => Ok(planned),
+                None if self.is_on_the_way_to(asked.target) => {
+                    let rest = self.end().unwrap_or(start).max(start);
+                    self.go_on_from(rest, asked, limits)
+                }
+                None => self.stop_first(now, start, asked, limits),
+            };
         }
         // Where there is no room for what goes on until `start`, it leaves at once.
         for start in [start, now] {
@@ -50,37 +57,77 @@ impl Motion {
         limits: &Limits,
     ) -> Result<Planned, PlanError> {
         let before = self.clone();
-        let start = self.stop(now, limits).max(start);
-        let range = asked.target - self.target();
-        let profile = match asked.profile {
-            // Ramps that were meant for another range mean nothing for this one.
-            Profile::ShapedTrapezoid { .. } => Profile::Trapezoid,
-            profile => profile,
-        };
-        // Without a shortest duration what is asked for is refused as well.
-        let least = shortest(profile, range, limits).unwrap_or(asked.duration);
-        let asked = Move {
-            duration: asked.duration.max(least),
-            profile,
-            ..asked
-        };
-        let planned = self.depart(start, asked, limits);
+        let rest = self.stop(now, limits).max(start);
+        let planned = self.go_on_from(rest, asked, limits);
         if planned.is_err() {
             *self = before;
         }
         planned
     }
 
-    /// Lays a beta move over those under way; gives the end of all.
-    fn lay_over(&mut self, start: Tick, asked: Move, limits: &Limits) -> Option<Tick> {
+    /// Adds a move from the rest that the motion comes to at `start`, for longer than asked where
+    /// the limits ask for it.
+    fn go_on_from(
+        &mut self,
+        start: Tick,
+        asked: Move,
+        limits: &Limits,
+    ) -> Result<Planned, PlanError> {
+        let range = asked.target - self.target();
+        let profile = match asked.profile {
+            // Ramps that were meant for another range mean nothing for this one.
+            Profile::ShapedTrapezoid { .. } => Profile::Trapezoid,
+            profile => profile,
+        };
+        let duration = match profile {
+            Profile::Beta => overlay::long_enough(range, asked.duration, limits),
+            // Without a shortest duration what is asked for is refused as well.
+            _ => shortest(profile, range, limits)
+                .map_or(asked.duration, |least| least.max(asked.duration)),
+        };
+        let asked = Move {
+            duration,
+            profile,
+            ..asked
+        };
+        self.depart(start, asked, limits)
+    }
+
+    /// Lays a beta move over the one under way; the end is that of both.
+    ///
+    /// Where there is no room for it at `start`, and the target is farther on, it begins in the
+    /// middle of the other: from there that slows down, as this one speeds up.
+    fn lay_over(&mut self, start: Tick, asked: Move, limits: &Limits) -> Option<Planned> {
         if !self.phases.is_empty() || self.betas.len() >= OVERLAID_MOVES {
             return None;
         }
         let range = asked.target - self.target();
-        let place = self.at(start).position.counts();
-        let beta = overlay::overlay(place, &self.betas, start, range, asked.duration, limits)?;
+        let laid = |from: Tick| {
+            let place = self.at(from).position.counts();
+            let left = Ticks(asked.duration.0.saturating_sub(from.since(start).0));
+            overlay::overlay(place, &self.betas, from, range, left, limits)
+        };
+        let beta = laid(start).or_else(|| {
+            let half = |beta: &Beta| Ticks(beta.duration().0 / 2 + 1);
+            let middle = self
+                .betas
+                .first()
+                .map(|beta| beta.start().after(half(beta)))?;
+            (middle > start && self.is_on_the_way_to(asked.target))
+                .then(|| laid(middle))
+                .flatten()
+        })?;
         self.betas.push(beta).ok()?;
-        self.end()
+        let end = self.end()?;
+        let start = beta.start();
+        Some(Planned { start, end })
+    }
+
+    /// Whether nothing but beta moves is under way, and they all lead towards `target`.
+    fn is_on_the_way_to(&self, target: Position) -> bool {
+        let farther = (target - self.target()).counts().signum();
+        let along = |beta: &Beta| beta.range().counts().signum() == farther;
+        self.phases.is_empty() && !self.betas.is_full() && self.betas.iter().all(along)
     }
 
     /// Goes on to the target inside other limits, from `now` on; gives the first tick at rest.

@@ -21,8 +21,8 @@ const STEPS: usize = 20;
 /// Steps of the secant in f64 that make it exact.
 const MOST_SECANTS: usize = 3;
 
-/// How far from the target counts as there: four counts of 2^-32 turn.
-const EXACT: f64 = 4.0 / COUNTS_PER_TURN as f64;
+/// How far from the target counts as there: half a count of 2^-32 turn.
+const EXACT: f64 = 0.5 / COUNTS_PER_TURN as f64;
 
 /// Halvings for the fastest cruise, which only has to be an upper bound, and how near that must be.
 const COARSE_STEPS: usize = 24;

@@ -1,6 +1,7 @@
 //! Another target in mid-move.
 
 use canter_shared::limits::Limits;
+use canter_shared::motion::beta::Beta;
 use canter_shared::motion::{Motion, Move, Profile};
 use canter_shared::time::{Tick, Ticks};
 use canter_shared::units::Position;
@@ -25,6 +26,39 @@ fn a_quick_retarget_is_laid_over_and_does_not_wait_for_a_stop() {
         .start(Tick(400), Tick(400), asked(-1.0, 1_000), &limits)
         .expect("well inside the limits");
     assert_eq!((planned.start, planned.end), (Tick(400), Tick(1_400)));
+}
+
+/// A beta move at the velocity limit has no room over it before its middle. A target farther on is
+/// taken over from there, at full speed; one behind finds room at once.
+#[test]
+fn a_retarget_of_a_beta_move_at_its_limits_neither_stops_nor_breaks_them() {
+    let limits = Limits::default();
+    let asked = |radians: f64, ticks| Move {
+        target: position(radians),
+        duration: Ticks(ticks),
+        profile: Profile::Beta,
+    };
+    let least = Beta::shortest(position(10.0), &limits).expect("a short way");
+    for (target, leaves_in_the_middle) in [(20.0, true), (-5.0, false)] {
+        let mut motion = Motion::at_rest(Position::ZERO);
+        motion
+            .start(Tick(0), Tick(0), asked(10.0, least.0), &limits)
+            .expect("long enough");
+        let now = Tick(u64::from(least.0) / 5);
+        let mut watch = Watch::new(limits);
+        watch.run(&mut motion, 0, now.0).expect("inside the limits");
+        let planned = motion
+            .start(now, now, asked(target, 1), &limits)
+            .expect("long enough in the end");
+        let middle = u64::from(least.0) / 2;
+        assert_eq!(planned.start > now, leaves_in_the_middle, "{target}");
+        assert!(planned.start.0.abs_diff(middle) <= 1 || planned.start == now);
+        assert!(motion.at(planned.start).velocity.radians() > 6.0);
+        watch
+            .run(&mut motion, now.0, planned.end.0 + 2)
+            .expect("inside the limits");
+        assert_eq!(motion.at(planned.end).position, position(target));
+    }
 }
 
 proptest! {
