@@ -224,3 +224,33 @@ fn a_robot_file_changes_axes_and_limits() {
         "{outside:#?}"
     );
 }
+
+#[test]
+fn a_robot_file_shapes_an_axis() {
+    let directory = tempfile::tempdir().expect("a directory");
+    let file = directory.path().join("robot.toml");
+    let robot = |shaper: &str| {
+        let text = format!("[[axis]]\nid = 7\n[axis.shaper]\n{shaper}\n[[axis]]\nid = 8\n");
+        std::fs::write(&file, text).expect("written");
+        canter(&format!(
+            "--json --robot {} move 7=2 8=-1 --profile s-curve",
+            file.display()
+        ))
+    };
+    let moved = robot("kind = \"ei\"\nfrequency = 9.0").success().json();
+    for axis in moved["axes"].as_array().expect("a list") {
+        assert_eq!(axis["arrived"], true, "{axis}");
+    }
+    for (shaper, word) in [
+        ("kind = \"ei\"\nfrequency = 0.5", "frequency"),
+        (
+            "kind = \"zv\"\nfrequency = 9.0\ndamping = 2.0",
+            "damping ratio",
+        ),
+        ("kind = \"zvx\"\nfrequency = 9.0", "zvx"),
+    ] {
+        let refused = robot(shaper);
+        assert_eq!(refused.status.code(), Some(1), "{refused:#?}");
+        assert!(refused.stderr.contains(word), "{refused:#?}");
+    }
+}
