@@ -1,5 +1,5 @@
-//! The promise of `motion::s_curve`: the durations of published vectors, limits kept, ends exact,
-//! nothing quicker; over random states and limits of every size.
+//! The promise of `motion::s_curve`: limits kept, ends exact, nothing quicker; over random states and
+//! limits of every size. The durations of published vectors are held in `vectors`.
 
 /// Here so that the files lie in a folder of their own.
 mod s_curve {
@@ -10,5 +10,4 @@ mod s_curve {
     mod random;
     mod symmetry;
     mod to_rest;
-    mod vectors;
 }

@@ -7,5 +7,6 @@ mod vectors {
     mod csv;
     mod polynomial;
     mod ratios;
+    mod s_curve;
     mod trapezoid;
 }

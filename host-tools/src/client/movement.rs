@@ -162,31 +162,27 @@ impl<B: Bus> Client<B> {
 
     /// Tells each axis the limits of its s-curve.
     fn send_limits(&mut self, plan: &[Planned]) -> Result<(), ClientError> {
-        let each = |command: fn(&Limits, u8) -> Command, sequence| -> Vec<_> {
-            plan.iter()
-                .map(|planned| (planned.axis, command(&planned.limits, sequence)))
-                .collect()
-        };
-        let sequence = self.next_sequence();
-        let ramps = each(
+        let frames: [fn(&Limits, u8) -> Command; 2] = [
             |limits, sequence| Command::RampLimits {
                 acceleration: limits.acceleration(),
                 deceleration: limits.deceleration(),
                 sequence,
             },
-            sequence,
-        );
-        self.demand(sequence, &ramps)?;
-        let sequence = self.next_sequence();
-        let peaks = each(
             |limits, sequence| Command::PeakLimits {
                 velocity: limits.velocity(),
                 jerk: limits.jerk(),
                 sequence,
             },
-            sequence,
-        );
-        self.demand(sequence, &peaks)
+        ];
+        for frame in frames {
+            let sequence = self.next_sequence();
+            let questions: Vec<_> = plan
+                .iter()
+                .map(|planned| (planned.axis, frame(&planned.limits, sequence)))
+                .collect();
+            self.demand(sequence, &questions)?;
+        }
+        Ok(())
     }
 
     fn run(

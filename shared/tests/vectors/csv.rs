@@ -35,12 +35,17 @@ impl Row {
     }
 }
 
-/// The rows of a table, of which there is at least one.
-pub fn rows(name: &str) -> Vec<Row> {
+/// A file of the folder, as it stands.
+pub fn text(name: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../tests/vectors")
         .join(name);
-    let text = std::fs::read_to_string(&path).expect("the vectors are part of the project");
+    std::fs::read_to_string(&path).expect("the vectors are part of the project")
+}
+
+/// The rows of a table, of which there is at least one.
+pub fn rows(name: &str) -> Vec<Row> {
+    let text = text(name);
     let mut lines = text.lines().filter(|line| !line.starts_with('#'));
     let columns: Vec<_> = lines.next().expect("a heading").split(',').collect();
     let rows: Vec<_> = lines

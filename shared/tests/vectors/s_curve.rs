@@ -1,50 +1,19 @@
 //! Against what Ruckig 0.19.4 computed; see tests/vectors.
 
+use super::csv::{Row, rows, text};
 use canter_shared::motion::s_curve::{SignedBounds, change_velocity, lasting, time_optimal};
 use canter_shared::motion::segments::Segments;
 use canter_shared::motion::trajectory::{Sample, Trajectory};
 use std::collections::HashMap;
-use std::path::Path;
-
-fn text(name: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../tests/vectors")
-        .join(name);
-    std::fs::read_to_string(&path).expect("the vectors are part of the project")
-}
-
-/// Rows by the names of their columns.
-fn rows(name: &str) -> Vec<HashMap<String, String>> {
-    let text = text(name);
-    let mut lines = text.lines();
-    let names: Vec<&str> = lines.next().expect("a header").split(',').collect();
-    let rows: Vec<_> = lines
-        .map(|line| {
-            let cells = line.split(',').map(str::to_owned);
-            names
-                .iter()
-                .map(|name| (*name).to_owned())
-                .zip(cells)
-                .collect()
-        })
-        .collect();
-    assert!(!rows.is_empty());
-    rows
-}
-
-/// The cell as a number; `otherwise` where it is empty.
-fn number(row: &HashMap<String, String>, name: &str, otherwise: f64) -> f64 {
-    match row[name].as_str() {
-        "" => otherwise,
-        cell => cell.parse().expect("a number"),
-    }
-}
 
 /// The case with all lengths multiplied by `length`.
-fn planned(row: &HashMap<String, String>, length: f64) -> Segments {
-    let get = |name| length * number(row, name, f64::NAN);
+fn planned(row: &Row, length: f64) -> Segments {
+    let get = |name| length * row.number(name);
     let (fastest, strongest) = (get("v_max"), get("a_max"));
-    let below = |name, above: f64| -(length * number(row, name, -above / length)).abs();
+    let below = |name, above: f64| {
+        -row.optional(name)
+            .map_or(above, |limit| length * limit.abs())
+    };
     let bounds = SignedBounds::new(
         fastest,
         below("v_min", fastest),
@@ -57,7 +26,7 @@ fn planned(row: &HashMap<String, String>, length: f64) -> Segments {
         acceleration: get("a0"),
         ..Sample::coasting(get("p0"), get("v0"))
     };
-    let planned = if row["kind"] == "velocity_iface_stop" {
+    let planned = if row.text("kind") == "velocity_iface_stop" {
         change_velocity(from, get("vf"), &bounds)
     } else {
         time_optimal(from, Sample::coasting(get("pf"), get("vf")), &bounds)
@@ -69,8 +38,8 @@ fn planned(row: &HashMap<String, String>, length: f64) -> Segments {
 fn cases() -> HashMap<String, Segments> {
     let cases: HashMap<_, _> = rows("ruckig_cases.csv")
         .iter()
-        .filter(|row| row["kind"] != "trap_nojerk")
-        .map(|row| (row["case"].clone(), planned(row, 1.0)))
+        .filter(|row| row.text("kind") != "trap_nojerk")
+        .map(|row| (row.text("case").to_owned(), planned(row, 1.0)))
         .collect();
     assert_eq!(cases.len(), 170);
     cases
@@ -80,10 +49,10 @@ fn cases() -> HashMap<String, Segments> {
 fn durations_are_equal() {
     let cases = cases();
     for row in rows("ruckig_cases.csv") {
-        let Some(curve) = cases.get(&row["case"]) else {
+        let Some(curve) = cases.get(row.text("case")) else {
             continue;
         };
-        let want = number(&row, "duration", f64::NAN);
+        let want = row.number("duration");
         let error = (curve.duration() - want) / want;
         assert!(error.abs() <= 1e-12, "{row:?}: {error}");
     }
@@ -94,7 +63,7 @@ fn durations_are_equal() {
 fn durations_do_not_depend_on_the_unit_of_length() {
     let cases = cases();
     for row in rows("ruckig_cases.csv") {
-        let Some(curve) = cases.get(&row["case"]) else {
+        let Some(curve) = cases.get(row.text("case")) else {
             continue;
         };
         for power in [-36, -20, 20, 30] {
@@ -110,10 +79,10 @@ fn samples_are_equal() {
     let cases = cases();
     let mut compared = 0;
     for row in rows("ruckig_points.csv") {
-        let Some(curve) = cases.get(&row["case"]) else {
+        let Some(curve) = cases.get(row.text("case")) else {
             continue;
         };
-        let get = |name| number(&row, name, f64::NAN);
+        let get = |name| row.number(name);
         let at = curve.at(get("t"));
         let peaks = curve.peaks();
         let range = (0..=10)
