@@ -16,11 +16,14 @@ const SNAPSHOT: &str = "tests/snapshots/firmware-sizes.txt";
 /// Where the chip's RAM begins; what lies below is flash.
 const RAM: u32 = 0x2000_0000;
 
-/// The aim is 100 KiB, so that small chips stay within reach. Since every profile is planned on the
-/// device the image is over it: the solver of s-curves in f64 takes 20 to 30 KiB without a processor
-/// that knows f64, and its budget of instructions asks for inlining. This holds what there is.
-const FLASH_BOUND: u32 = 140 * 1024;
+/// So that small chips stay within reach.
+const FLASH_BOUND: u32 = 100 * 1024;
 const RAM_BOUND: u32 = 24 * 1024;
+
+/// What the image takes instead, which the table of measurements shows beside the bound. Since every
+/// profile is planned on the device it is over it: the solver of s-curves in f64 takes 20 to 30 KiB on
+/// a processor without f64, and the budgets of instructions ask for inlining. It must not grow.
+const FLASH_HELD: u32 = 140 * 1024;
 
 /// How far flash may be from the snapshot. Panic messages hold the paths of other people's
 /// sources, which are as long as the builder's home is; RAM holds none and must match.
@@ -72,17 +75,18 @@ impl Sizes {
 fn the_nucleo_image_keeps_its_size() {
     let path = image::path("nucleo-g474re");
     let sizes = Sizes::of(&fs::read(&path).expect("the image can be read"));
-    for (what, size, bound) in [
-        ("flash", sizes.flash, FLASH_BOUND),
-        ("static RAM", sizes.ram, RAM_BOUND),
+    for (what, size, bound, held) in [
+        ("flash", sizes.flash, FLASH_BOUND, FLASH_HELD),
+        ("static RAM", sizes.ram, RAM_BOUND, RAM_BOUND),
     ] {
+        let missed = if size > bound { ", missed" } else { "" };
         measurement(
             "firmware",
             &format!("nucleo-g474re {what}"),
             &format!("{size} B"),
-            &format!("<= {bound} B"),
+            &format!("<= {bound} B{missed}"),
         );
-        assert!(size <= bound, "{what}: {size} B are over {bound} B");
+        assert!(size <= held, "{what}: {size} B are over {held} B");
     }
 
     let snapshot = root().join(SNAPSHOT);
