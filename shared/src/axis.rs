@@ -15,6 +15,8 @@
 //! |---|---|
 //! | `command`, `answer` | what each command does, and its answer |
 //! | `commander` | who holds the axis |
+//! | `streaming` | streams of knots |
+//! | `parameters` | what is set about the axis |
 //! | `prepared` | what is told ahead of a move |
 //! | `planning` | changes of motion: decided, planned, committed |
 //! | `course` | the motion under way, and the one that takes over |
@@ -27,9 +29,11 @@ mod command;
 mod commander;
 mod course;
 pub mod fault;
+mod parameters;
 mod planning;
 mod prepared;
 pub mod state;
+mod streaming;
 mod supervision;
 mod telemetry;
 
@@ -37,6 +41,7 @@ use crate::drive::{Condition, DriveCommand, DriveReport};
 use crate::limits::Limits;
 use crate::motion::shaping::{Shaper, Shaping, ShapingError};
 use crate::motion::{Move, Setpoint};
+use crate::parameter::{Settings, Values};
 use crate::time::{BusTime, Tick, Ticks};
 use crate::units::Position;
 use crate::wire::command::Session;
@@ -107,7 +112,9 @@ struct Departure {
 #[derive(Debug, Clone)]
 pub struct Axis {
     id: AxisId,
-    limits: Limits,
+    /// The parameters as they were set, and what they mean.
+    values: Values,
+    settings: Settings,
     state: State,
     fault: Option<Fault>,
     /// When the state was entered.
@@ -137,7 +144,8 @@ impl Axis {
     pub fn new(id: AxisId, limits: Limits) -> Self {
         Self {
             id,
-            limits,
+            values: Values::defaults(id.get()),
+            settings: Settings::new(id.get(), limits),
             state: State::NotReadyToSwitchOn,
             fault: None,
             since: Tick(0),
@@ -167,7 +175,7 @@ impl Axis {
 
     /// What the axis may do.
     pub fn limits(&self) -> &Limits {
-        &self.limits
+        &self.settings.limits
     }
 
     /// The state of the axis.
@@ -219,9 +227,9 @@ impl Axis {
     /// up while others slow down: then one limit of acceleration must do for both.
     fn planning_limits(&self) -> Limits {
         if self.shapes() {
-            self.limits.symmetric()
+            self.settings.limits.symmetric()
         } else {
-            self.limits
+            self.settings.limits
         }
     }
 

@@ -100,7 +100,7 @@ impl KnownAxis {
                     rejected,
                 };
             }
-            Report::Identity(_) => {}
+            Report::Identity(_) | Report::Parameter { .. } => {}
         }
     }
 }

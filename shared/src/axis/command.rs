@@ -48,14 +48,16 @@ impl Axis {
         command: Command,
     ) -> Outcome {
         match command {
-            Command::Sync { .. } | Command::IdentityRequest => Outcome::Ignored,
+            Command::Sync { .. } | Command::IdentityRequest | Command::Assign(_) => {
+                Outcome::Ignored
+            }
             // Never held back by numbering: whoever says stop is obeyed.
             Command::EmergencyStop => {
                 self.raise(Fault::EmergencyStop);
                 Outcome::Accepted
             }
             Command::Stop { sequence } => {
-                self.stop((Reason::Moving, 0));
+                self.stop((Reason::Stopped, 0));
                 self.answer(Function::Stop, sequence, Ok(0))
             }
             Command::HostHeartbeat { session } => {
@@ -67,10 +69,19 @@ impl Axis {
                 session,
                 start,
             } => self.trigger(frame, group, session, start),
+            // Numbered for themselves: most are never answered.
+            Command::Knot {
+                position,
+                velocity,
+                number,
+            } => self.take_knot(position, velocity, number),
+            Command::ParameterRead { parameter, item } => self.read_parameter(parameter, item),
             Command::Control { sequence, .. }
             | Command::TrapezoidShape { sequence, .. }
             | Command::RampLimits { sequence, .. }
             | Command::PeakLimits { sequence, .. }
+            | Command::StreamBegin { sequence, .. }
+            | Command::ParameterWrite { sequence, .. }
             | Command::Move { sequence, .. } => {
                 if let Some((last, reply)) = self.last_command
                     && last == *frame
@@ -195,7 +206,7 @@ impl Axis {
             } => {
                 self.ready()?;
                 let asked = Move {
-                    target: self.limits.snap(target, POSITION_STEP),
+                    target: self.settings.limits.snap(target, POSITION_STEP),
                     duration,
                     profile: self.prepared.profile(profile),
                 };
@@ -215,6 +226,15 @@ impl Axis {
                 self.prepared = left;
                 Ok(Done::Planning(number))
             }
+            Command::StreamBegin {
+                start,
+                period,
+                number,
+                ..
+            } => self.begin_stream(start, period, number).map(Done::Now),
+            Command::ParameterWrite {
+                parameter, value, ..
+            } => self.write_parameter(parameter, value).map(Done::Now),
             // The others never come here.
             _ => Err((Reason::BadValue, 0)),
         }
@@ -310,6 +330,8 @@ impl Axis {
                 }
                 _ => {}
             },
+            Action::Save => return self.save_parameters(),
+            Action::Restore => return self.restore_parameters(),
         }
         Ok(0)
     }
