@@ -4,6 +4,7 @@
 
 /// Here so that the files lie in a folder of their own.
 mod axis {
+    mod backlog;
     mod bench;
     mod clock;
     mod commander;
