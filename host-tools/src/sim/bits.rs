@@ -29,6 +29,14 @@ impl Bits {
         self.count += count;
     }
 
+    /// The first `count` of them.
+    fn head(self, count: u32) -> Self {
+        Self {
+            word: self.word >> self.count.saturating_sub(count),
+            count: count.min(self.count),
+        }
+    }
+
     fn iter(self) -> impl Iterator<Item = bool> {
         (0..self.count)
             .rev()
@@ -65,8 +73,8 @@ impl Bits {
     }
 }
 
-/// Bits from the start of the frame to the end of its end-of-frame field, stuff bits included.
-pub(super) fn length(frame: &Frame) -> u32 {
+/// What is stuffed of a frame: its start, identifier, length, data and CRC.
+fn stuffed_part(frame: &Frame) -> Bits {
     let mut bits = Bits { word: 0, count: 0 };
     // Start of frame, identifier; data frame (RTR), base format (IDE) and r0 are dominant.
     bits.push(0, 1);
@@ -77,7 +85,33 @@ pub(super) fn length(frame: &Frame) -> u32 {
         bits.push(u16::from(*byte), 8);
     }
     bits.push(bits.crc(), CRC_BITS);
+    bits
+}
+
+/// Bits from the start of the frame to the end of its end-of-frame field, stuff bits included.
+pub(super) fn length(frame: &Frame) -> u32 {
+    let bits = stuffed_part(frame);
     bits.count + bits.stuffed() + TAIL
+}
+
+/// The first bit, counted from 0 and without stuff bits, at which two frames differ.
+pub(super) fn first_difference(one: &Frame, other: &Frame) -> Option<u32> {
+    let (one, other) = (stuffed_part(one), stuffed_part(other));
+    // Frames of different length differ in the bits that tell it, long before the shorter ends.
+    let common = one.count.min(other.count);
+    let differences = one.head(common).word ^ other.head(common).word;
+    (differences != 0).then(|| common - 1 - differences.ilog2())
+}
+
+/// Whether the bit of that number is recessive.
+pub(super) fn is_recessive(frame: &Frame, bit: u32) -> bool {
+    let bits = stuffed_part(frame);
+    bit < bits.count && (bits.word >> (bits.count - 1 - bit)) & 1 == 1
+}
+
+/// How many bits have been on the wire, stuff bits included, once the bit of that number is over.
+pub(super) fn on_wire(frame: &Frame, bit: u32) -> u32 {
+    bit + stuffed_part(frame).head(bit).stuffed() + 1
 }
 
 #[cfg(test)]

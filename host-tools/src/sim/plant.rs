@@ -1,6 +1,137 @@
-//! A servo drive with the machine behind it.
+//! A servo drive with the machine behind it: inertia, friction, a motor of limited torque, an
+//! encoder of limited resolution, and the drive's own control loop.
+//!
+//! All is in f64 and uses nothing but the four operations and comparisons, which IEEE 754 defines
+//! to the last bit: every machine gives the same.
 
-use canter_shared::units::{Position, Velocity};
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use canter_shared::drive::{Condition, Drive, DriveCommand, DriveReport};
+use canter_shared::limits::Limits;
+use canter_shared::time::Tick;
+use canter_shared::units::{Acceleration, COUNTS_PER_RADIAN, Position, Velocity};
+
+use super::disturbance::DriveTrouble;
+
+/// Seconds between two setpoints.
+const TICK: f64 = 1e-3;
+
+/// Turns of the drive's control loop in a tick: 4 kHz.
+const LOOPS: u32 = 4;
+
+/// Seconds of one turn of the control loop.
+const STEP: f64 = TICK / LOOPS as f64;
+
+/// Ticks between the order to enable and following.
+const ENABLE_TICKS: u8 = 2;
+
+/// How quickly a position error is made up for: 1/s, about 25 Hz.
+const POSITION_GAIN: f64 = 150.0;
+
+/// How quickly a velocity error is made up for: 1/s, about 100 Hz.
+const VELOCITY_GAIN: f64 = 600.0;
+
+/// How quickly what friction the drive does not know of is learned: 1/s.
+const INTEGRAL_GAIN: f64 = 60.0;
+
+/// How quickly the drive's estimate follows the encoder: 1/s, about 160 Hz.
+const ESTIMATE_GAIN: f64 = 1_000.0;
+
+/// What a plant is made of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlantValues {
+    /// Inertia at the joint, motor included, in kg m^2; above 0.
+    pub inertia: f64,
+    /// Viscous friction in N m s/rad.
+    pub viscous: f64,
+    /// Coulomb friction in N m: what it takes to get the shaft going.
+    pub coulomb: f64,
+    /// The most that the motor can do, in N m; above `coulomb`.
+    pub torque: f64,
+    /// The part of both frictions that the drive has been told of, 0 to 1.
+    pub compensation: f64,
+    /// Counts of the encoder in one turn of the joint, 2^8 to 2^26.
+    pub encoder: u32,
+}
+
+/// A plant that is possible.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlantModel(PlantValues);
+
+/// A value of a plant that is not possible.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error("the plant's {field} must be a number from {minimum} to {maximum}, but it is {value}")]
+pub struct PlantError {
+    /// Which field of [`PlantValues`].
+    pub field: &'static str,
+    /// What it was to be.
+    pub value: f64,
+    /// The least that is possible.
+    pub minimum: f64,
+    /// The most that is possible.
+    pub maximum: f64,
+}
+
+impl PlantModel {
+    /// The plant of these values.
+    ///
+    /// # Errors
+    /// The first value that is out of its range.
+    pub fn new(values: PlantValues) -> Result<Self, PlantError> {
+        let most = 1e9;
+        for (field, value, minimum, maximum) in [
+            ("inertia in kg m^2", values.inertia, 1e-9, most),
+            ("viscous friction in N m s/rad", values.viscous, 0.0, most),
+            ("Coulomb friction in N m", values.coulomb, 0.0, most),
+            ("torque in N m", values.torque, values.coulomb, most),
+            ("compensation", values.compensation, 0.0, 1.0),
+            (
+                "encoder in counts per turn",
+                f64::from(values.encoder),
+                f64::from(1 << 8),
+                f64::from(1 << 26),
+            ),
+        ] {
+            // A NaN is in no range.
+            if !(minimum..=maximum).contains(&value) {
+                return Err(PlantError {
+                    field,
+                    value,
+                    minimum,
+                    maximum,
+                });
+            }
+        }
+        Ok(Self(values))
+    }
+
+    /// A plant that was chosen for an axis with these limits: the joint of a leg, and a motor that
+    /// can do twice what they ask for, well known to its drive. The encoder has 23 bits, as fine as
+    /// the wire.
+    pub fn fitting(limits: &Limits) -> Self {
+        let (inertia, viscous, coulomb) = (0.01, 0.02, 0.2);
+        let accelerating = inertia
+            * limits
+                .acceleration()
+                .radians()
+                .max(limits.deceleration().radians());
+        let turning = viscous * limits.velocity().radians();
+        Self(PlantValues {
+            inertia,
+            viscous,
+            coulomb,
+            torque: 2.0 * (accelerating + turning + coulomb),
+            compensation: 1.0,
+            encoder: 1 << 23,
+        })
+    }
+
+    /// What it is made of.
+    pub const fn values(&self) -> &PlantValues {
+        &self.0
+    }
+}
 
 /// Where a shaft really is, whatever its encoder says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -9,4 +140,269 @@ pub struct PlantState {
     pub position: Position,
     /// How fast it turns.
     pub velocity: Velocity,
+}
+
+/// What the drive's control loop remembers.
+#[derive(Debug, Clone, Copy, Default)]
+struct Loop {
+    /// Where the shaft seems to be, in rad, and how fast, in rad/s.
+    position: f64,
+    velocity: f64,
+    /// The torque that it has learned to need, in N m.
+    integral: f64,
+}
+
+/// A setpoint in rad, rad/s and rad/s^2.
+#[derive(Debug, Clone, Copy, Default)]
+struct Target {
+    position: f64,
+    velocity: f64,
+    acceleration: f64,
+}
+
+/// The plant at some instant.
+#[derive(Debug, Clone)]
+pub(super) struct Plant {
+    values: PlantValues,
+    /// rad in one count of the encoder.
+    count: f64,
+    /// The shaft, in rad and rad/s.
+    position: f64,
+    velocity: f64,
+    control: Loop,
+    target: Target,
+    /// Ticks for which it was told to be enabled, up to [`ENABLE_TICKS`].
+    enabling: u8,
+    /// What it has, and for how many more ticks.
+    trouble: Option<(DriveTrouble, u64)>,
+    /// It has disabled itself and waits until it is told to be disabled.
+    tripped: bool,
+    report: DriveReport,
+}
+
+impl Plant {
+    /// At rest at zero, the drive disabled.
+    pub(super) fn new(model: &PlantModel) -> Self {
+        let values = *model.values();
+        Self {
+            values,
+            count: std::f64::consts::TAU / f64::from(values.encoder),
+            position: 0.0,
+            velocity: 0.0,
+            control: Loop::default(),
+            target: Target::default(),
+            enabling: 0,
+            trouble: None,
+            tripped: false,
+            report: DriveReport {
+                condition: Condition::Disabled,
+                position: Position::ZERO,
+                velocity: Velocity::ZERO,
+            },
+        }
+    }
+
+    pub(super) fn report(&self) -> DriveReport {
+        self.report
+    }
+
+    pub(super) fn state(&self) -> PlantState {
+        let counts = |value: f64| (value * COUNTS_PER_RADIAN) as i64;
+        PlantState {
+            position: Position::from_counts(counts(self.position)),
+            velocity: Velocity::from_counts(counts(self.velocity)),
+        }
+    }
+
+    pub(super) fn trouble(&mut self, trouble: DriveTrouble, ticks: u64) {
+        self.trouble = Some((trouble, ticks));
+    }
+
+    /// The drive has no power for `ticks`.
+    pub(super) fn coast(&mut self, ticks: u64) {
+        self.enabling = 0;
+        self.tripped = false;
+        for tick in 0..ticks {
+            if self.velocity == 0.0 {
+                self.pass(ticks - tick);
+                break;
+            }
+            self.advance();
+            self.pass(1);
+        }
+        self.measure();
+        self.control.position = self.report.position.radians();
+        self.control.velocity = 0.0;
+        self.report.velocity = Velocity::ZERO;
+        self.report.condition = Condition::Disabled;
+    }
+
+    /// Some ticks of its trouble are over.
+    fn pass(&mut self, ticks: u64) {
+        if let Some((_, left)) = &mut self.trouble {
+            *left = left.saturating_sub(ticks);
+            if *left == 0 {
+                self.trouble = None;
+            }
+        }
+    }
+
+    fn has(&self, trouble: DriveTrouble) -> bool {
+        self.trouble.is_some_and(|(what, _)| what == trouble)
+    }
+
+    fn is_following(&self) -> bool {
+        self.enabling >= ENABLE_TICKS
+    }
+
+    /// Goes on for a tick with the setpoint that it has, then takes the next one.
+    pub(super) fn take(&mut self, command: &DriveCommand) {
+        self.advance();
+        self.pass(1);
+        self.measure();
+        let silent = self.has(DriveTrouble::Silence);
+        let faulted = self.has(DriveTrouble::Fault);
+        self.tripped = command.enable && (self.tripped || self.has(DriveTrouble::Disable));
+        if !command.enable || silent || faulted || self.tripped {
+            self.enabling = 0;
+        } else if !self.is_following() {
+            self.enabling += 1;
+            self.control.integral = 0.0;
+        }
+        self.target = Target {
+            position: command.position.radians(),
+            velocity: velocity(command.velocity),
+            acceleration: acceleration(command.acceleration),
+        };
+        self.report.condition = if silent {
+            Condition::Lost
+        } else if faulted {
+            Condition::Faulted
+        } else if self.is_following() {
+            Condition::Enabled
+        } else {
+            Condition::Disabled
+        };
+    }
+
+    /// The encoder and the drive's estimate go into the report; a silent drive's stays as it was.
+    fn measure(&mut self) {
+        if !self.has(DriveTrouble::Silence) {
+            let measured = self.encoder();
+            self.report.position = Position::from_counts(round(measured * COUNTS_PER_RADIAN));
+            self.report.velocity =
+                Velocity::from_counts(round(self.control.velocity * COUNTS_PER_RADIAN));
+        }
+    }
+
+    /// What the encoder shows, in rad.
+    fn encoder(&self) -> f64 {
+        round(self.position / self.count) as f64 * self.count
+    }
+
+    fn advance(&mut self) {
+        for step in 0..LOOPS {
+            let torque = self.control(f64::from(step) * STEP);
+            self.turn(torque);
+        }
+    }
+
+    /// One turn of the control loop, `since` seconds after the setpoint: the torque that it wants.
+    /// A cascade of position and velocity with everything known fed forward, as servo drives have.
+    fn control(&mut self, since: f64) -> f64 {
+        let measured = self.encoder();
+        let target = self.target;
+        let follows = self.is_following();
+        // The estimate knows the acceleration that it should see, so it need not lag behind.
+        let state = &mut self.control;
+        let expected = if follows { target.acceleration } else { 0.0 };
+        state.position += STEP * (state.velocity + 0.5 * STEP * expected);
+        let error = measured - state.position;
+        state.position += 2.0 * ESTIMATE_GAIN * STEP * error;
+        state.velocity += STEP * (expected + ESTIMATE_GAIN * ESTIMATE_GAIN * error);
+        if !follows {
+            return 0.0;
+        }
+        let velocity = target.velocity + since * target.acceleration;
+        let position =
+            target.position + since * (target.velocity + 0.5 * since * target.acceleration);
+        let mut off = position - state.position;
+        // What the encoder cannot tell apart is not worked at.
+        if velocity == 0.0 && off.abs() <= 0.51 * self.count {
+            off = 0.0;
+        }
+        let slow = velocity + POSITION_GAIN * off - state.velocity;
+        let values = &self.values;
+        let gain = values.inertia * VELOCITY_GAIN;
+        // At a standstill it is overcome towards where the shaft should be.
+        let way = if velocity == 0.0 { off } else { velocity };
+        let friction = values.coulomb * sign(way) + values.viscous * velocity;
+        let known = values.inertia * target.acceleration + values.compensation * friction;
+        let wanted = known + gain * slow + state.integral;
+        let torque = wanted.clamp(-values.torque, values.torque);
+        // At the limit there is nothing to learn.
+        if wanted == torque {
+            state.integral += gain * INTEGRAL_GAIN * STEP * slow;
+        }
+        torque
+    }
+
+    /// The shaft under a torque, for one turn of the control loop.
+    fn turn(&mut self, torque: f64) {
+        if self.has(DriveTrouble::Blocked) {
+            self.velocity = 0.0;
+            return;
+        }
+        let values = &self.values;
+        let per_torque = STEP / values.inertia;
+        // Viscous friction at the end of the step, so that it never turns the shaft round.
+        let free = (self.velocity + per_torque * torque) / (1.0 + per_torque * values.viscous);
+        // Coulomb friction takes away velocity until there is none.
+        let taken = per_torque * values.coulomb;
+        let velocity = if free.abs() <= taken {
+            0.0
+        } else {
+            free - taken * sign(free)
+        };
+        self.position += STEP * 0.5 * (self.velocity + velocity);
+        self.velocity = velocity;
+    }
+}
+
+/// The nearest integer.
+fn round(value: f64) -> i64 {
+    (value + 0.5 * sign(value)) as i64
+}
+
+/// -1, 0 or 1.
+fn sign(value: f64) -> f64 {
+    if value > 0.0 {
+        1.0
+    } else if value < 0.0 {
+        -1.0
+    } else {
+        0.0
+    }
+}
+
+fn velocity(velocity: Velocity) -> f64 {
+    velocity.radians()
+}
+
+fn acceleration(acceleration: Acceleration) -> f64 {
+    acceleration.radians()
+}
+
+/// A node's end of the plant, which outlives the node.
+#[derive(Debug, Clone)]
+pub(super) struct Servo(pub(super) Rc<RefCell<Plant>>);
+
+impl Drive for Servo {
+    fn command(&mut self, _tick: Tick, command: DriveCommand) {
+        self.0.borrow_mut().take(&command);
+    }
+
+    fn report(&self) -> DriveReport {
+        self.0.borrow().report()
+    }
 }
