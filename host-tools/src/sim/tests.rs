@@ -1,11 +1,16 @@
 //! The simulated robot, seen by a host that does what it must.
 
+mod disturbed;
+mod errors;
+mod observed;
 mod plant;
+mod power;
 mod robot;
 mod wire;
 
 use std::cell::RefCell;
 use std::rc::Rc;
+use std::time::Duration;
 
 use canter_shared::time::{Tick, Ticks};
 use canter_shared::units::Position;
@@ -14,7 +19,7 @@ use canter_shared::wire::id::{Address, AxisId};
 use canter_shared::wire::report::Report;
 
 use super::*;
-use crate::bus::{Bus, Event, Received};
+use crate::bus::{Bus, ErrorEvent, Event, Received};
 
 const SESSION: Session = 0xCA27;
 
@@ -25,6 +30,7 @@ struct Host {
     counter: u8,
     next_sync: BusTime,
     heard: Vec<(BusTime, AxisId, Report)>,
+    complaints: Vec<(BusTime, ErrorEvent)>,
 }
 
 impl Host {
@@ -38,6 +44,7 @@ impl Host {
             counter: 0,
             next_sync: BusTime(0),
             heard: Vec::new(),
+            complaints: Vec::new(),
         }
     }
 
@@ -65,15 +72,16 @@ impl Host {
             }
             let until = end.min(self.next_sync);
             let received = self.bus.receive(until).expect("the simulated bus is up");
-            if let Some(Received {
-                time,
-                event: Event::Frame(frame),
-            }) = received
-            {
-                let (axis, report) = Report::decode(&frame)
-                    .expect("nodes speak the protocol")
-                    .expect("only nodes are heard");
-                self.heard.push((time, axis, report));
+            let Some(Received { time, event }) = received else {
+                continue;
+            };
+            match event {
+                Event::Frame(frame) => {
+                    if let Ok(Some((axis, report))) = Report::decode(&frame) {
+                        self.heard.push((time, axis, report));
+                    }
+                }
+                Event::Error(error) => self.complaints.push((time, error)),
             }
         }
     }
