@@ -56,6 +56,7 @@ use crate::bus::Bitrate;
 use crate::bus::Bus;
 use crate::robot::{Robot, RobotAxis};
 use chance::Chance;
+use clock::NEVER;
 pub use clock::TrueTime;
 use controller::{Controller, NOTHING};
 use device::{Device, Step};
@@ -123,6 +124,8 @@ pub struct SimulatedBus {
     controllers: Vec<Controller>,
     /// By places: the identifier that each wants to send.
     wanted: Vec<u16>,
+    /// The lowest of them: who has it is the next to send.
+    lowest: u16,
     devices: Vec<Device>,
     /// When each device is due, and the first of these times.
     due: Vec<TrueTime>,
@@ -173,9 +176,10 @@ impl SimulatedBus {
             now: TrueTime::default(),
             medium: Medium::new(configuration.bitrate),
             wanted: vec![NOTHING; controllers.len()],
+            lowest: NOTHING,
             controllers,
             devices,
-            first_due: due.iter().copied().min().unwrap_or(TrueTime(u64::MAX)),
+            first_due: due.iter().copied().min().unwrap_or(NEVER),
             due,
             host: Host::default(),
             off: Vec::new(),
@@ -251,13 +255,13 @@ impl SimulatedBus {
     /// The next instant at which something happens on the bus or in a node.
     fn next_event(&self) -> Option<TrueTime> {
         let medium = self.medium.due().or_else(|| self.begins());
-        let devices = Some(self.first_due).filter(|_| !self.devices.is_empty());
         let ordered = self.ordered.front().map(|(time, _)| *time);
-        let chance = Some(self.chance.due()).filter(|due| due.0 < u64::MAX);
-        [medium, devices, ordered, chance, self.recovers()]
-            .into_iter()
-            .flatten()
-            .min()
+        let chance = self.chance.due();
+        let mut next = self.first_due.min(chance);
+        for time in [medium, ordered, self.recovers()].into_iter().flatten() {
+            next = next.min(time);
+        }
+        (next < NEVER).then_some(next)
     }
 
     /// Does what comes next, or lets time pass until `until` where that is sooner.
@@ -296,7 +300,7 @@ impl SimulatedBus {
         let device = &mut self.devices[node];
         let step = device.step(now, &mut self.controllers[place]);
         self.due[node] = device.due();
-        self.wanted[place] = self.controllers[place].wanted();
+        self.look_at(place);
         if let Some(observer) = &mut self.observer {
             let device = &self.devices[node];
             match step {
@@ -335,7 +339,11 @@ impl SimulatedBus {
 
     /// The controller at `place` may want to send something else than before.
     fn look_at(&mut self, place: usize) {
-        self.wanted[place] = self.controllers[place].wanted();
+        let wanted = self.controllers[place].wanted();
+        if wanted != self.wanted[place] {
+            self.wanted[place] = wanted;
+            self.lowest = self.wanted.iter().copied().min().unwrap_or(NOTHING);
+        }
     }
 
     /// Something may be due at a node sooner or later than before.
@@ -346,7 +354,7 @@ impl SimulatedBus {
 
     fn find_first_due(&mut self) {
         let first = self.due.iter().copied().min();
-        self.first_due = first.unwrap_or(TrueTime(u64::MAX));
+        self.first_due = first.unwrap_or(NEVER);
     }
 
     /// The station at `place` has room for another frame to send.

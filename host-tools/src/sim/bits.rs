@@ -13,6 +13,26 @@ const CRC_BITS: u32 = 15;
 /// x^15 + x^14 + x^10 + x^8 + x^7 + x^4 + x^3 + 1.
 const CRC_POLYNOMIAL: u16 = 0x4599;
 
+const CRC_MASK: u16 = (1 << CRC_BITS) - 1;
+
+/// What each byte makes of a CRC of zero.
+const CRC_TABLE: [u16; 256] = {
+    let mut table = [0; 256];
+    let mut byte = 0;
+    while byte < table.len() {
+        let mut crc = (byte as u16) << (CRC_BITS - 8);
+        let mut bit = 0;
+        while bit < 8 {
+            let feedback = crc >> (CRC_BITS - 1) & 1;
+            crc = (crc << 1) & CRC_MASK ^ (feedback * CRC_POLYNOMIAL);
+            bit += 1;
+        }
+        table[byte] = crc;
+        byte += 1;
+    }
+    table
+};
+
 /// Equal bits after which a complementary one is put in.
 const RUN: u32 = 5;
 
@@ -43,15 +63,14 @@ impl Bits {
             .map(move |place| (self.word >> place) & 1 == 1)
     }
 
+    /// Bit after bit from the first on; zeros before it, which make whole bytes of them, change
+    /// nothing.
     fn crc(self) -> u16 {
-        self.iter().fold(0, |crc, bit| {
-            let feedback = bit != ((crc >> (CRC_BITS - 1)) & 1 == 1);
-            let shifted = (crc << 1) & ((1 << CRC_BITS) - 1);
-            if feedback {
-                shifted ^ CRC_POLYNOMIAL
-            } else {
-                shifted
-            }
+        let bytes = self.word.to_be_bytes();
+        let first = bytes.len() - self.count.div_ceil(8) as usize;
+        bytes[first..].iter().fold(0, |crc, byte| {
+            let place = (crc >> (CRC_BITS - 8)) as u8 ^ byte;
+            (crc << 8) & CRC_MASK ^ CRC_TABLE[usize::from(place)]
         })
     }
 

@@ -5,7 +5,7 @@ use std::time::Duration;
 use canter_shared::wire::frame::{Frame, MAXIMUM_LENGTH};
 
 use super::Rates;
-use super::clock::TrueTime;
+use super::clock::{NEVER, TrueTime};
 use super::disturbance::{Babble, Disturbance, DriveTrouble, Recurring};
 use super::random::SplitMix64;
 
@@ -14,9 +14,6 @@ const KINDS: usize = 6;
 
 /// The shortest time from one to the next of a kind: 1 us, so that the time goes on.
 const SHORTEST: u64 = 1_000;
-
-/// Never.
-const NEVER: TrueTime = TrueTime(u64::MAX);
 
 /// All that goes wrong by chance, apart from the chance of a bus without faults: without rates
 /// it draws nothing, and one more fault does not change the crystals.

@@ -18,6 +18,9 @@ const WORST: u32 = 10_000;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct TrueTime(pub u64);
 
+/// After all that happens.
+pub(super) const NEVER: TrueTime = TrueTime(u64::MAX);
+
 impl TrueTime {
     /// As the host sees it: whole microseconds that have passed.
     pub const fn bus_time(self) -> BusTime {

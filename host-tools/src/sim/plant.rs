@@ -10,7 +10,7 @@ use std::rc::Rc;
 use canter_shared::drive::{Condition, Drive, DriveCommand, DriveReport};
 use canter_shared::limits::Limits;
 use canter_shared::time::Tick;
-use canter_shared::units::{Acceleration, COUNTS_PER_RADIAN, Position, Velocity};
+use canter_shared::units::{COUNTS_PER_RADIAN, Position, Velocity};
 
 use super::disturbance::DriveTrouble;
 
@@ -160,12 +160,46 @@ struct Target {
     acceleration: f64,
 }
 
+/// What follows from the values, so that the control loop need not divide.
+#[derive(Debug, Clone, Copy)]
+struct Factors {
+    /// rad in one count of the encoder, and counts in one rad.
+    count: f64,
+    counts: f64,
+    /// Change of velocity in a step by 1 N m.
+    per_torque: f64,
+    /// What a step of viscous friction leaves of a velocity.
+    damping: f64,
+    /// What a step of Coulomb friction takes of a velocity.
+    taken: f64,
+    /// N m for each rad/s of velocity error, and the part of it that is learned in a step.
+    gain: f64,
+    learning: f64,
+}
+
+impl Factors {
+    fn of(values: &PlantValues) -> Self {
+        let counts = f64::from(values.encoder) / std::f64::consts::TAU;
+        let per_torque = STEP / values.inertia;
+        let gain = values.inertia * VELOCITY_GAIN;
+        Self {
+            count: 1.0 / counts,
+            counts,
+            per_torque,
+            // Friction at the end of the step, so that it never turns the shaft round.
+            damping: 1.0 / (1.0 + per_torque * values.viscous),
+            taken: per_torque * values.coulomb,
+            gain,
+            learning: gain * INTEGRAL_GAIN * STEP,
+        }
+    }
+}
+
 /// The plant at some instant.
 #[derive(Debug, Clone)]
 pub(super) struct Plant {
     values: PlantValues,
-    /// rad in one count of the encoder.
-    count: f64,
+    factors: Factors,
     /// The shaft, in rad and rad/s.
     position: f64,
     velocity: f64,
@@ -186,7 +220,7 @@ impl Plant {
         let values = *model.values();
         Self {
             values,
-            count: std::f64::consts::TAU / f64::from(values.encoder),
+            factors: Factors::of(&values),
             position: 0.0,
             velocity: 0.0,
             control: Loop::default(),
@@ -271,8 +305,8 @@ impl Plant {
         }
         self.target = Target {
             position: command.position.radians(),
-            velocity: velocity(command.velocity),
-            acceleration: acceleration(command.acceleration),
+            velocity: command.velocity.radians(),
+            acceleration: command.acceleration.radians(),
         };
         self.report.condition = if silent {
             Condition::Lost
@@ -297,13 +331,18 @@ impl Plant {
 
     /// What the encoder shows, in rad.
     fn encoder(&self) -> f64 {
-        round(self.position / self.count) as f64 * self.count
+        round(self.position * self.factors.counts) as f64 * self.factors.count
     }
 
     fn advance(&mut self) {
+        let blocked = self.has(DriveTrouble::Blocked);
         for step in 0..LOOPS {
             let torque = self.control(f64::from(step) * STEP);
-            self.turn(torque);
+            if blocked {
+                self.velocity = 0.0;
+            } else {
+                self.turn(torque);
+            }
         }
     }
 
@@ -324,45 +363,36 @@ impl Plant {
             return 0.0;
         }
         let velocity = target.velocity + since * target.acceleration;
-        let position =
-            target.position + since * (target.velocity + 0.5 * since * target.acceleration);
-        let mut off = position - state.position;
+        let gone = since * (target.velocity + 0.5 * since * target.acceleration);
+        let mut off = target.position + gone - state.position;
         // What the encoder cannot tell apart is not worked at.
-        if velocity == 0.0 && off.abs() <= 0.51 * self.count {
+        if velocity == 0.0 && off.abs() <= 0.51 * self.factors.count {
             off = 0.0;
         }
         let slow = velocity + POSITION_GAIN * off - state.velocity;
         let values = &self.values;
-        let gain = values.inertia * VELOCITY_GAIN;
         // At a standstill it is overcome towards where the shaft should be.
         let way = if velocity == 0.0 { off } else { velocity };
         let friction = values.coulomb * sign(way) + values.viscous * velocity;
         let known = values.inertia * target.acceleration + values.compensation * friction;
-        let wanted = known + gain * slow + state.integral;
+        let wanted = known + self.factors.gain * slow + state.integral;
         let torque = wanted.clamp(-values.torque, values.torque);
         // At the limit there is nothing to learn.
         if wanted == torque {
-            state.integral += gain * INTEGRAL_GAIN * STEP * slow;
+            state.integral += self.factors.learning * slow;
         }
         torque
     }
 
     /// The shaft under a torque, for one turn of the control loop.
     fn turn(&mut self, torque: f64) {
-        if self.has(DriveTrouble::Blocked) {
-            self.velocity = 0.0;
-            return;
-        }
-        let values = &self.values;
-        let per_torque = STEP / values.inertia;
-        // Viscous friction at the end of the step, so that it never turns the shaft round.
-        let free = (self.velocity + per_torque * torque) / (1.0 + per_torque * values.viscous);
+        let factors = &self.factors;
+        let free = (self.velocity + factors.per_torque * torque) * factors.damping;
         // Coulomb friction takes away velocity until there is none.
-        let taken = per_torque * values.coulomb;
-        let velocity = if free.abs() <= taken {
+        let velocity = if free.abs() <= factors.taken {
             0.0
         } else {
-            free - taken * sign(free)
+            free - factors.taken * sign(free)
         };
         self.position += STEP * 0.5 * (self.velocity + velocity);
         self.velocity = velocity;
@@ -383,14 +413,6 @@ fn sign(value: f64) -> f64 {
     } else {
         0.0
     }
-}
-
-fn velocity(velocity: Velocity) -> f64 {
-    velocity.radians()
-}
-
-fn acceleration(acceleration: Acceleration) -> f64 {
-    acceleration.radians()
 }
 
 /// A node's end of the plant, which outlives the node.

@@ -21,7 +21,7 @@ impl SimulatedBus {
     /// When somebody begins a frame, if nothing else happens before; never while one is under way.
     pub(super) fn begins(&self) -> Option<TrueTime> {
         let free = self.medium.free()?;
-        if self.wanted() == NOTHING {
+        if self.lowest == NOTHING {
             return None;
         }
         if self.suspended <= free {
@@ -34,17 +34,12 @@ impl SimulatedBus {
         waiting.map(|one| one.suspended().max(free)).min()
     }
 
-    /// The lowest identifier that anybody wants to send.
-    fn wanted(&self) -> u16 {
-        self.wanted.iter().copied().min().unwrap_or(NOTHING)
-    }
-
     /// Lets those begin that want to, where the bus is free.
     pub(super) fn begin(&mut self) {
         if self.medium.free().is_none_or(|free| free > self.now) {
             return;
         }
-        let mut lowest = self.wanted();
+        let mut lowest = self.lowest;
         if lowest == NOTHING {
             return;
         }
@@ -221,6 +216,7 @@ impl SimulatedBus {
             }
             self.give(place, sender, ended);
         }
+        self.find_first_due();
     }
 
     /// The controller at `place` has the frame; its station has it a little later.
@@ -237,7 +233,7 @@ impl SimulatedBus {
             None => self.host.deliver(time, sender, ended.frame),
             Some(node) => {
                 self.devices[node].deliver(time, sender, ended.frame);
-                self.look_at_device(node);
+                self.due[node] = self.devices[node].due();
             }
         }
     }
@@ -291,10 +287,12 @@ impl SimulatedBus {
     /// Error passive senders of the last frame leave the bus to others for a while.
     fn suspend(&mut self) {
         let until = self.medium.suspension();
-        for place in 0..self.controllers.len() {
-            let passive = self.controllers[place].state() == ErrorState::ErrorPassive;
-            if passive && self.medium.sends(place) {
-                self.controllers[place].suspend_until(until);
+        let lapses = self.medium.lapses().iter();
+        let gave_up = lapses.filter(|lapse| lapse.sent).map(|lapse| lapse.place);
+        for place in self.medium.senders().iter().copied().chain(gave_up) {
+            let controller = &mut self.controllers[place];
+            if controller.state() == ErrorState::ErrorPassive {
+                controller.suspend_until(until);
                 self.suspended = until;
             }
         }
