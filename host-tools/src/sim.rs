@@ -14,7 +14,8 @@
 //! | `contest` | several that send one identifier at once |
 //! | `fault_confinement` | error counters and states, by the standard's rules |
 //! | `controller` | what a station has to send, and its place on the bus |
-//! | `traffic` | arbitration, delivery, error frames, bus-off and the way back |
+//! | `traffic` | arbitration, the fate of a frame, delivery |
+//! | `errors` | what all count, bus-off and the way back |
 //! | `host` | the host's process and its queues |
 //! | `device` | a node: the core, its crystal, its receive queue |
 //! | `plant` | a node's drive, motor, shaft and encoder |
@@ -33,6 +34,7 @@ mod contest;
 mod controller;
 mod device;
 mod disturbance;
+mod errors;
 mod fault_confinement;
 mod flash;
 mod host;

@@ -1,5 +1,6 @@
 //! The simulated robot, seen by a host that does what it must.
 
+mod chance;
 mod disturbed;
 mod errors;
 mod observed;

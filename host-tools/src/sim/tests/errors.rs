@@ -279,12 +279,10 @@ fn a_host_that_is_off_the_bus_is_told_and_restarted() {
     // 100 ms of rest, then 128 times 11 recessive bits at least.
     let away = host.complaints[2].0.0 - host.complaints[1].0.0;
     assert!((101_400..110_000).contains(&away), "{away} us");
-    let sent = host.record.borrow();
-    let sent = sent
-        .frames
-        .iter()
-        .filter(|sent| sent.sender == Station::Host);
-    assert!(sent.last().expect("some").start.0 > host.complaints[2].0.0 * 1_000);
+    let record = host.record.borrow();
+    let mut sent = record.frames.iter().rev();
+    let last = sent.find(|sent| sent.sender == Station::Host);
+    assert!(last.expect("some").start.0 > host.complaints[2].0.0 * 1_000);
 }
 
 #[test]
