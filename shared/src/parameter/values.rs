@@ -224,3 +224,82 @@ impl Parameter {
         raw.max(entry.minimum).min(entry.maximum)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::limits::{DEFAULT_VALUES, LimitValues};
+    use proptest::prelude::*;
+
+    #[test]
+    fn a_raw_value_comes_back_from_48_bits() {
+        for raw in [0, 1, -1, (1 << 47) - 1, -(1 << 47)] {
+            assert_eq!(from_bytes(to_bytes(raw)), raw);
+        }
+    }
+
+    #[test]
+    fn the_default_limits_are_the_defaults() {
+        let values = Values::of_limits(5, &Limits::default());
+        assert_eq!(values, Values::defaults(5));
+    }
+
+    #[test]
+    fn a_value_is_the_nearest_step_and_what_is_outside_is_none() {
+        let minimum = Parameter::PositionMinimum;
+        assert_eq!(minimum.nearest(-1.000_000_000_6), Some(-1_000_000_001));
+        // A thousand turns in rad are half a step beyond what a parameter takes.
+        let farthest = DEFAULT_VALUES.position_minimum;
+        assert_eq!(minimum.nearest(farthest), Some(minimum.entry().minimum));
+        for outside in [farthest - 1e-6, f64::NAN, f64::INFINITY, -1e300] {
+            assert_eq!(minimum.nearest(outside), None, "{outside}");
+        }
+        assert_eq!(Parameter::BusReaction.choice("disable"), Some(2));
+        assert_eq!(Parameter::BusReaction.choice("brake"), None);
+        assert_eq!(Parameter::JerkLimit.choice("none"), None);
+    }
+
+    fn limits() -> impl Strategy<Value = LimitValues> {
+        let rate = |top: f64| (-4.0..top).prop_map(|exponent: f64| 10f64.powf(exponent));
+        let place = -6_283.0..6_283.0f64;
+        (
+            rate(4.0),
+            rate(6.0),
+            rate(6.0),
+            rate(9.0),
+            place.clone(),
+            place,
+        )
+            .prop_map(|(velocity, up, down, jerk, a, b)| LimitValues {
+                velocity,
+                acceleration: up,
+                deceleration: down,
+                jerk,
+                position_minimum: a.min(b),
+                position_maximum: a.max(b),
+            })
+    }
+
+    proptest! {
+        #[test]
+        fn limits_become_values_inside_of_them(wanted in limits()) {
+            let limits = Limits::new(&wanted).expect("in range");
+            let settings = Values::of_limits(1, &limits).settings();
+            let own = settings.limits;
+            // Less than a step inside: 10^-9, 10^-6 and 10^-4 rad, and a count.
+            for (asked, got, step) in [
+                (limits.velocity().radians(), own.velocity().radians(), 1e-9),
+                (limits.acceleration().radians(), own.acceleration().radians(), 1e-6),
+                (limits.deceleration().radians(), own.deceleration().radians(), 1e-6),
+                (limits.jerk().radians(), own.jerk().radians(), 1e-4),
+                (limits.position_maximum().radians(), own.position_maximum().radians(), 1e-9),
+                (-limits.position_minimum().radians(), -own.position_minimum().radians(), 1e-9),
+            ] {
+                prop_assert!(got <= asked && asked - got <= step + 1.5e-9, "{asked} {got}");
+            }
+            // What came from values is those values again.
+            let again = Values::of_limits(1, &own).settings();
+            prop_assert_eq!(again, settings);
+        }
+    }
+}
