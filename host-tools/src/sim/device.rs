@@ -37,10 +37,8 @@ impl Device {
             firmware: crate::version(),
             board: Board::Simulated,
         });
-        node.add_axis(axis.id, axis.limits, Simulated::new(Position::ZERO))
+        node.add_axis_with_values(axis.id, &axis.values, Simulated::new(Position::ZERO))
             .expect("a node with room for one axis takes one");
-        node.shape(axis.id, axis.shaping.as_ref())
-            .expect("a new axis rests");
         let due = node.next_tick();
         Self {
             next_tick: (due, crystal.when(due)),
@@ -77,6 +75,10 @@ impl Device {
             None => self.node.tick(local).first().copied(),
         };
         self.node.plan();
+        // The simulated robot is fresh each time: what it saves, it keeps as long as it lives.
+        if let Some(image) = self.node.take_save() {
+            self.node.saved(&image, true);
+        }
         self.refill(local);
         setpoint.filter(|_| self.synchronised)
     }

@@ -194,9 +194,10 @@ impl Parameter {
     /// The nearest raw value to one in the parameter's unit. What is outside the range by less than
     /// a step is the end of the range; `None` is farther out, or no number.
     pub fn nearest(self, value: f64) -> Option<i64> {
-        let (raw, entry) = (self.rounded(value), self.entry());
-        let near = entry.minimum.saturating_sub(1)..=entry.maximum.saturating_add(1);
-        (value.is_finite() && near.contains(&raw)).then(|| self.clamped(raw))
+        let raw = self.clamped(self.rounded(value));
+        // A NaN is near nothing.
+        let away = libm::fabs(value * self.steps_per_unit() - raw as f64);
+        (away < 1.0).then_some(raw)
     }
 
     /// The raw value of a choice by its name.

@@ -141,7 +141,7 @@ pub fn image(number: u32) -> Image<3> {
             (Parameter::PositionMaximum, rate),
             (Parameter::FollowingError, rate),
             (Parameter::ShaperDamping, rate),
-            (Parameter::HeartbeatPeriod, 10 + rate % 900),
+            (Parameter::HeartbeatPeriod, 10 + rate % 190),
         ] {
             values = values.with(parameter, raw).expect("in range").0;
         }
