@@ -15,6 +15,8 @@
 //! |---|---|
 //! | `command`, `answer` | what each command does, and its answer |
 //! | `commander` | who holds the axis |
+//! | `streaming` | streams of knots |
+//! | `parameters` | what is set about the axis |
 //! | `prepared` | what is told ahead of a move |
 //! | `planning` | changes of motion: decided, planned, committed |
 //! | `course` | the motion under way, and the one that takes over |
@@ -27,9 +29,11 @@ mod command;
 mod commander;
 mod course;
 pub mod fault;
+mod parameters;
 mod planning;
 mod prepared;
 pub mod state;
+mod streaming;
 mod supervision;
 mod telemetry;
 
@@ -37,6 +41,7 @@ use crate::drive::{Condition, DriveCommand, DriveReport};
 use crate::limits::Limits;
 use crate::motion::shaping::{Shaper, Shaping, ShapingError};
 use crate::motion::{Move, Setpoint};
+use crate::parameter::{Settings, Values};
 use crate::time::{BusTime, Tick, Ticks};
 use crate::units::Position;
 use crate::wire::command::Session;
@@ -47,6 +52,7 @@ use crate::wire::report::Report;
 use commander::Commander;
 use course::Course;
 use fault::Fault;
+use parameters::Saving;
 use planning::Planning;
 pub use planning::{FinishedPlan, Plan};
 use prepared::Prepared;
@@ -94,6 +100,8 @@ enum Reply {
     Given(Report),
     /// Nothing yet: the answer comes when the job of this number is done.
     Waits(u32),
+    /// Nothing yet: the answer comes when the save of this command's number is done.
+    Saves(u8),
 }
 
 /// A move whose start is still to be reported.
@@ -107,7 +115,12 @@ struct Departure {
 #[derive(Debug, Clone)]
 pub struct Axis {
     id: AxisId,
-    limits: Limits,
+    /// The parameters as they were set, and what they mean.
+    values: Values,
+    settings: Settings,
+    /// The values that it will have after a loss of power.
+    saved: Values,
+    saving: Option<Saving>,
     state: State,
     fault: Option<Fault>,
     /// When the state was entered.
@@ -133,11 +146,23 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// An axis that waits for the first word from its drive.
+    /// An axis with these limits and the other parameters' defaults: see [`Values::of_limits`].
     pub fn new(id: AxisId, limits: Limits) -> Self {
+        Self::with_values(id, &Values::of_limits(id.get(), &limits))
+    }
+
+    /// An axis that waits for the first word from its drive.
+    pub fn with_values(id: AxisId, values: &Values) -> Self {
+        let settings = values.settings();
+        let mut shaper = Shaper::none();
+        // A new one stands, so there is no error to look at.
+        let _ = shaper.change(settings.shaping.as_ref());
         Self {
             id,
-            limits,
+            values: *values,
+            settings,
+            saved: *values,
+            saving: None,
             state: State::NotReadyToSwitchOn,
             fault: None,
             since: Tick(0),
@@ -151,7 +176,7 @@ impl Axis {
             commander: Commander::default(),
             staged: None,
             prepared: Prepared::default(),
-            shaper: Shaper::none(),
+            shaper,
             departure: None,
             last_command: None,
             last_trigger: None,
@@ -167,7 +192,7 @@ impl Axis {
 
     /// What the axis may do.
     pub fn limits(&self) -> &Limits {
-        &self.limits
+        &self.settings.limits
     }
 
     /// The state of the axis.
@@ -201,14 +226,14 @@ impl Axis {
     /// then arrive later, by the shaper's delay.
     ///
     /// # Errors
-    /// [`ShapingError::Moving`] unless the axis is at rest and nothing is about to move it.
+    /// [`ShapingError::Moving`] unless the axis is at rest and nothing is about to move it; a shaper
+    /// that its parameters, which go in steps, cannot hold.
     pub fn shape(&mut self, shaping: Option<&Shaping>) -> Result<(), ShapingError> {
         if self.is_moving() {
             return Err(ShapingError::Moving);
         }
-        // It did not follow what it did not shape.
-        self.shaper.reset(self.setpoint.position);
-        self.shaper.change(shaping)
+        let values = self.values.shaped(shaping)?;
+        self.take_values(&values)
     }
 
     fn shapes(&self) -> bool {
@@ -219,9 +244,9 @@ impl Axis {
     /// up while others slow down: then one limit of acceleration must do for both.
     fn planning_limits(&self) -> Limits {
         if self.shapes() {
-            self.limits.symmetric()
+            self.settings.limits.symmetric()
         } else {
-            self.limits
+            self.settings.limits
         }
     }
 
@@ -254,7 +279,7 @@ impl Axis {
             self.departure = None;
             self.telemetry.started(departure.sequence, now);
         }
-        self.telemetry.tick(tick);
+        self.telemetry.tick(tick, &self.settings);
         self.setpoint
     }
 

@@ -5,6 +5,7 @@
 //! | [`units`] | position, velocity, acceleration, jerk in integers |
 //! | [`time`] | bus time, the 1 ms tick, the clock that SYNC disciplines |
 //! | [`limits`] | what an axis may do; only valid values can be held |
+//! | [`parameter`] | the table of parameters, what they set, and how they are kept |
 //! | [`motion`] | from limits to setpoints: beta S-curve, trapezoid, stop, retarget |
 //! | [`wire`] | bytes to meaning: CAN frames, ids, commands, reports |
 //! | [`drive`] | the servo drive behind an axis |
@@ -16,8 +17,8 @@
 //! `std`'s float functions are not the same bits everywhere, `libm`'s are, and so the host can
 //! predict every setpoint that a device will send.
 //!
-//! Arrows go one way: units, time <- limits <- motion <- axis <- node; units <- wire, drive <-
-//! axis. `motion` never sees `wire`. A test in `tests/` holds this.
+//! Arrows go one way: units, time <- limits <- motion <- parameter <- axis <- node; units <- wire,
+//! drive <- axis. `motion` and `parameter` never see `wire`. A test in `tests/` holds this.
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -26,6 +27,7 @@ pub mod drive;
 pub mod limits;
 pub mod motion;
 pub mod node;
+pub mod parameter;
 pub mod time;
 pub mod units;
 pub mod wire;

@@ -13,15 +13,33 @@ pub const ARROWS: &[(&str, &[&str])] = &[
     ("time", &["units"]),
     ("limits", &["units", "time"]),
     ("motion", &["units", "time", "limits"]),
+    ("parameter", &["units", "time", "limits", "motion"]),
     ("wire", &["units", "time"]),
     ("drive", &["units", "time"]),
     (
         "axis",
-        &["units", "time", "limits", "motion", "wire", "drive"],
+        &[
+            "units",
+            "time",
+            "limits",
+            "motion",
+            "parameter",
+            "wire",
+            "drive",
+        ],
     ),
     (
         "node",
-        &["units", "time", "limits", "motion", "wire", "drive", "axis"],
+        &[
+            "units",
+            "time",
+            "limits",
+            "motion",
+            "parameter",
+            "wire",
+            "drive",
+            "axis",
+        ],
     ),
 ];
 

@@ -2,6 +2,7 @@
 
 use super::meaning;
 use canter_shared::axis::fault::Fault;
+use canter_shared::parameter::{Change, Default, Kind, Parameter};
 use canter_shared::wire::layout::{Addressing, Choices, Field, LAYOUTS, Layout, Sender};
 use canter_shared::wire::reason::Reason;
 
@@ -49,6 +50,7 @@ pub fn frames() -> String {
     for (title, choices) in [
         ("Actions", Choices::Action),
         ("States", Choices::State),
+        ("Items", Choices::Item),
         ("Boards", Choices::Board),
     ] {
         let names = meaning::names(choices).into_iter();
@@ -133,16 +135,77 @@ pub fn reasons() -> String {
     )
 }
 
+/// The parameters of an axis.
+pub fn parameters() -> String {
+    let row = |parameter: Parameter| {
+        let entry = parameter.entry();
+        let (steps, values) = match entry.kind {
+            Kind::Number { per_unit } => {
+                let value = |raw| parameter.in_unit(raw).to_string();
+                let default = match entry.default {
+                    Default::Raw(raw) => value(raw),
+                    Default::AxisId => "the axis's id".to_owned(),
+                };
+                let steps = match per_unit {
+                    1 => "1".to_owned(),
+                    _ => format!("10^-{}", per_unit.ilog10()),
+                };
+                (steps, [value(entry.minimum), value(entry.maximum), default])
+            }
+            Kind::Choice(names) => {
+                let default = names.get(parameter.default_raw(0) as usize);
+                let default = default.copied().unwrap_or_default();
+                let names = names.iter().enumerate();
+                let names = names.map(|(raw, name)| format!("{raw} {name}"));
+                let names = names.collect::<Vec<_>>().join(", ");
+                ("1".to_owned(), [names, String::new(), default.to_owned()])
+            }
+        };
+        let [minimum, maximum, default] = values;
+        [
+            u8::from(parameter).to_string(),
+            entry.name.to_owned(),
+            entry.unit.to_owned(),
+            steps,
+            minimum,
+            maximum,
+            default,
+            match entry.change {
+                Change::AtRest => "at rest".to_owned(),
+                Change::Disabled => "disabled".to_owned(),
+            },
+            entry.meaning.to_owned(),
+        ]
+    };
+    table(
+        [
+            "number",
+            "parameter",
+            "unit",
+            "step",
+            "from",
+            "to",
+            "default",
+            "changes",
+            "what",
+        ],
+        Parameter::ALL.map(row),
+    )
+}
+
 /// The faults of an axis.
 pub fn faults() -> String {
     table(
-        ["number", "fault", "cause", "cure"],
+        ["number", "fault", "cause", "cure", "reaction"],
         Fault::ALL.map(|fault| {
             [
                 u8::from(fault).to_string(),
                 fault.name().to_owned(),
                 fault.cause().to_owned(),
                 fault.cure().to_owned(),
+                fault
+                    .reaction()
+                    .map_or(String::new(), |parameter| parameter.entry().name.to_owned()),
             ]
         }),
     )
@@ -161,7 +224,7 @@ mod tests {
 
     #[test]
     fn no_cell_breaks_its_table() {
-        for (text, columns) in [(reasons(), 5), (faults(), 4)] {
+        for (text, columns) in [(reasons(), 5), (faults(), 5), (parameters(), 9)] {
             for line in text.lines() {
                 assert_eq!(line.matches('|').count(), columns + 1, "{line}");
             }

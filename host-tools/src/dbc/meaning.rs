@@ -2,7 +2,8 @@
 
 use canter_shared::axis::fault::Fault;
 use canter_shared::axis::state::State;
-use canter_shared::wire::command::Action;
+use canter_shared::parameter::Parameter;
+use canter_shared::wire::command::{Action, Item};
 use canter_shared::wire::id::Function;
 use canter_shared::wire::layout::{Choices, LAYOUTS};
 use canter_shared::wire::reason::Reason;
@@ -14,9 +15,10 @@ pub(super) fn of(function: Function) -> &'static str {
         Function::EmergencyStop => "Stop now and latch a fault; from anybody",
         Function::Sync => "The commander's clock",
         Function::Trigger => "Start what was staged, all at one bus time",
+        Function::Knot => "Where to be next in a stream, and how fast",
         Function::Stop => "Controlled stop; from anybody",
         Function::HostHeartbeat => "The session is alive",
-        Function::Control => "Hold, release, enable, disable, clear",
+        Function::Control => "Hold, release, enable, disable, clear, save, restore",
         Function::TrapezoidShape => "The ramps of the next trapezoid",
         Function::MoveBeta => "Move along a beta S-curve, now",
         Function::MoveTrapezoid => "Move along a trapezoid, now",
@@ -29,10 +31,15 @@ pub(super) fn of(function: Function) -> &'static str {
         Function::Acknowledgement => "The answer to a command",
         Function::Started => "A move began",
         Function::Fault => "A fault was latched",
+        Function::StreamBegin => "Begin a stream of knots, from rest",
         Function::Feedback => "Where the axis is",
         Function::Heartbeat => "State, holder and counters",
+        Function::ParameterRead => "What is the value of a parameter?",
+        Function::ParameterWrite => "Change a parameter",
+        Function::Parameter => "The value of a parameter",
         Function::IdentityRequest => "Who is there?",
         Function::Identity => "Who the node is, in three parts",
+        Function::Assign => "Give an axis of a chip another id, in three parts",
     }
 }
 
@@ -54,6 +61,20 @@ pub(super) fn of_field(function: Function, field: &str) -> Option<&'static str> 
         (Function::RampLimits, "deceleration") => "the most to slow down with, not 0",
         (Function::PeakLimits, "velocity") => "the most to move with, not 0",
         (Function::PeakLimits, "jerk") => "the most to change the acceleration with, not 0",
+        (Function::Knot, "position") => "where to be",
+        (Function::Knot, "velocity") => "how fast to pass through there",
+        (Function::Knot, "number") => "one more than that of the knot before; 0 follows 63",
+        (Function::StreamBegin, "start") => "bus time to leave at, a whole millisecond",
+        (Function::StreamBegin, "period") => "from knot to knot, not 0",
+        (Function::StreamBegin, "number") => "the number of the place where the axis leaves from",
+        (_, "parameter") => "which parameter",
+        (_, "item") => "what is asked about it",
+        (Function::ParameterWrite | Function::Parameter, "value") => {
+            "in the steps of the table of parameters"
+        }
+        (Function::Assign, "axis") => "the axis's id until now",
+        (Function::Assign, "new_axis") => "its id from now on",
+        (Function::Assign, "sequence") => "comes back in the answer, which is from the new id",
         // One table serves all the moves.
         (Function::MoveBeta, "sequence") => "the command's number; of a staged move also its group",
         (_, "target") => "where to come to rest",
@@ -75,15 +96,15 @@ pub(super) fn of_field(function: Function, field: &str) -> Option<&'static str> 
         (Function::Heartbeat, "error_frames") => "error frames seen; wraps",
         (Function::Heartbeat, "lost") => "receptions lost; wraps",
         (Function::Heartbeat, "rejected") => "commands refused; wraps",
-        (Function::Identity, "part") => "which part this is",
+        (_, "part") => "which part this is",
         (Function::Identity, "protocol_major") => "differs where two cannot talk to each other",
         (Function::Identity, "protocol_minor") => "grows with each addition",
         (Function::Identity, "board") => "what the node runs on",
         (Function::Identity, "firmware_major") => "the firmware's version",
         (Function::Identity, "firmware_minor") => "its second number",
         (Function::Identity, "firmware_patch") => "its third number",
-        (Function::Identity, "chip_first") => "the chip's id, first six bytes in turn",
-        (Function::Identity, "chip_last") => "the chip's id, last six bytes in turn",
+        (_, "chip_first") => "the chip's id, first six bytes in turn",
+        (_, "chip_last") => "the chip's id, last six bytes in turn",
         _ => return None,
     })
 }
@@ -93,20 +114,31 @@ pub(super) fn detail(reason: Reason) -> &'static str {
     match reason {
         Reason::Accepted => {
             "of a move or a trigger: ticks until it has arrived; of a staged move: ticks from its \
-             start until it has arrived; else 0"
+             start until it has arrived; of a knot: how many before it are missing; else 0"
         }
         Reason::HeldByOther => "that session",
         Reason::NotEnabled => "the state",
         Reason::FaultLatched => "the fault's number",
-        Reason::TooFast => "the least duration in ticks",
+        Reason::TooFast => "the least duration in ticks; of a knot 0",
         Reason::StaleSequence => "the last number",
         Reason::TooLate => "by how many ticks",
+        Reason::Overtaken => "the newer number",
+        Reason::UnknownParameter | Reason::OutOfRange => "the parameter's number",
+        Reason::NotDisabled => "the state",
+        Reason::StreamFull => "ticks until there is room",
+        Reason::KnotsMissing => "how many",
+        Reason::IdTaken => "that id",
         Reason::NotHeld
         | Reason::OutsideTravel
         | Reason::TooLong
         | Reason::DriveNotReady
         | Reason::Moving
-        | Reason::BadValue => "",
+        | Reason::BadValue
+        | Reason::Stopped
+        | Reason::SaveFailed
+        | Reason::NotStreaming
+        | Reason::TooStrong
+        | Reason::CannotStop => "",
     }
 }
 
@@ -126,6 +158,10 @@ pub(super) fn names(choices: Choices) -> Vec<(u8, String)> {
             let functions = LAYOUTS.map(|layout| layout.function);
             named(&functions, |function| format!("{function:?}"))
         }
+        Choices::Parameter => named(&Parameter::ALL, |parameter| {
+            parameter.entry().name.to_owned()
+        }),
+        Choices::Item => named(&Item::ALL, |item| snake_case(&format!("{item:?}"))),
         Choices::Board => named(&Board::ALL, |board| board.name().to_owned()),
     }
 }
@@ -163,8 +199,10 @@ mod tests {
 
     #[test]
     fn names_are_told_apart_and_fit_a_dbc() {
-        use Choices::{Action, Board, Fault, Function, Reason, State};
-        for choices in [Action, State, Fault, Reason, Function, Board] {
+        use Choices::{Action, Board, Fault, Function, Item, Parameter, Reason, State};
+        for choices in [
+            Action, State, Fault, Reason, Function, Board, Parameter, Item,
+        ] {
             let names = names(choices);
             for (index, (number, name)) in names.iter().enumerate() {
                 assert!(!name.is_empty() && !name.contains(['"', '\\']), "{name}");

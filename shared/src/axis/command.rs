@@ -25,6 +25,8 @@ enum Done {
     Now(u32),
     /// The job of this number is to be planned.
     Planning(u32),
+    /// The owner of the node is to save.
+    Saving,
 }
 
 impl Axis {
@@ -48,14 +50,16 @@ impl Axis {
         command: Command,
     ) -> Outcome {
         match command {
-            Command::Sync { .. } | Command::IdentityRequest => Outcome::Ignored,
+            Command::Sync { .. } | Command::IdentityRequest | Command::Assign(_) => {
+                Outcome::Ignored
+            }
             // Never held back by numbering: whoever says stop is obeyed.
             Command::EmergencyStop => {
                 self.raise(Fault::EmergencyStop);
                 Outcome::Accepted
             }
             Command::Stop { sequence } => {
-                self.stop((Reason::Moving, 0));
+                self.stop((Reason::Stopped, 0));
                 self.answer(Function::Stop, sequence, Ok(0))
             }
             Command::HostHeartbeat { session } => {
@@ -67,10 +71,19 @@ impl Axis {
                 session,
                 start,
             } => self.trigger(frame, group, session, start),
+            // Numbered for themselves: most are never answered.
+            Command::Knot {
+                position,
+                velocity,
+                number,
+            } => self.take_knot(position, velocity, number),
+            Command::ParameterRead { parameter, item } => self.read_parameter(parameter, item),
             Command::Control { sequence, .. }
             | Command::TrapezoidShape { sequence, .. }
             | Command::RampLimits { sequence, .. }
             | Command::PeakLimits { sequence, .. }
+            | Command::StreamBegin { sequence, .. }
+            | Command::ParameterWrite { sequence, .. }
             | Command::Move { sequence, .. } => {
                 if let Some((last, reply)) = self.last_command
                     && last == *frame
@@ -119,6 +132,7 @@ impl Axis {
     ) -> (Reply, Outcome) {
         let answer = match execute(self) {
             Ok(Done::Planning(number)) => return (Reply::Waits(number), Outcome::Planning),
+            Ok(Done::Saving) => return (Reply::Saves(sequence), Outcome::Accepted),
             Ok(Done::Now(detail)) => Ok(detail),
             Err(refusal) => Err(refusal),
         };
@@ -135,7 +149,7 @@ impl Axis {
         Outcome::Repeated
     }
 
-    pub(super) fn answer(
+    pub(crate) fn answer(
         &mut self,
         function: Function,
         sequence: u8,
@@ -155,6 +169,11 @@ impl Axis {
     fn execute(&mut self, command: Command) -> Result<Done, Refusal> {
         let function = command.function();
         match command {
+            Command::Control {
+                action: Action::Save,
+                sequence,
+                ..
+            } => self.want_save(sequence).map(|()| Done::Saving),
             Command::Control { action, .. } => self.control(action).map(Done::Now),
             Command::TrapezoidShape {
                 acceleration,
@@ -195,7 +214,7 @@ impl Axis {
             } => {
                 self.ready()?;
                 let asked = Move {
-                    target: self.limits.snap(target, POSITION_STEP),
+                    target: self.settings.limits.snap(target, POSITION_STEP),
                     duration,
                     profile: self.prepared.profile(profile),
                 };
@@ -215,6 +234,15 @@ impl Axis {
                 self.prepared = left;
                 Ok(Done::Planning(number))
             }
+            Command::StreamBegin {
+                start,
+                period,
+                number,
+                ..
+            } => self.begin_stream(start, period, number).map(Done::Now),
+            Command::ParameterWrite {
+                parameter, value, ..
+            } => self.write_parameter(parameter, value).map(Done::Now),
             // The others never come here.
             _ => Err((Reason::BadValue, 0)),
         }
@@ -310,6 +338,9 @@ impl Axis {
                 }
                 _ => {}
             },
+            // That one has been taken care of: its answer comes later.
+            Action::Save => {}
+            Action::Restore => self.restore_parameters()?,
         }
         Ok(0)
     }

@@ -1,69 +1,117 @@
 //! The faults of an axis: one table, with cause and cure.
 
+use crate::parameter::Parameter;
 use num_enum::{IntoPrimitive, TryFromPrimitive};
 
-/// Why an axis stopped and stays stopped until the fault is cleared. On the wire 0 is no fault.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, IntoPrimitive, TryFromPrimitive)]
-#[repr(u8)]
-pub enum Fault {
+macro_rules! faults {
+    ($($(#[$doc:meta])* $fault:ident = $number:literal, $name:literal, $cause:literal, $cure:literal;)*) => {
+        /// Why an axis stopped and stays stopped until the fault is cleared. On the wire 0 is no
+        /// fault.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, IntoPrimitive, TryFromPrimitive)]
+        #[repr(u8)]
+        pub enum Fault {
+            $($(#[$doc])* $fault = $number,)*
+        }
+
+        impl Fault {
+            /// Every fault, in the order of their numbers.
+            pub const ALL: [Self; [$($number),*].len()] = [$(Self::$fault),*];
+
+            /// The name on the command line, in the DBC and in the documents.
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$fault => $name,)*
+                }
+            }
+
+            /// What made it.
+            pub const fn cause(self) -> &'static str {
+                match self {
+                    $(Self::$fault => $cause,)*
+                }
+            }
+
+            /// What to do about it.
+            pub const fn cure(self) -> &'static str {
+                match self {
+                    $(Self::$fault => $cure,)*
+                }
+            }
+        }
+    };
+}
+
+faults! {
     /// Somebody sent an emergency stop.
-    EmergencyStop = 1,
+    EmergencyStop = 1, "emergency_stop",
+        "an emergency stop frame arrived",
+        "see that it is safe, then clear and enable";
     /// The session that held the axis fell silent.
-    HostTimeout = 2,
+    HostTimeout = 2, "host_timeout",
+        "the session that held the axis sent no heartbeat for host.timeout",
+        "look for a host that crashed, hung or lost the bus, then clear and enable";
     /// The drive fell silent.
-    DriveLost = 3,
+    DriveLost = 3, "drive_lost",
+        "the drive sent nothing for too long",
+        "check the drive's power and bus, then clear and enable";
     /// The drive stopped by itself.
-    DriveFault = 4,
+    DriveFault = 4, "drive_fault",
+        "the drive disabled itself or reported a fault of its own",
+        "read the fault with the drive's own tool, then clear and enable";
     /// The drive did not enable in time.
-    EnableTimeout = 5,
+    EnableTimeout = 5, "enable_timeout",
+        "the drive did not enable within 1 s",
+        "check the drive's power and its own state, then clear and enable";
+    /// The knots of a stream came too late.
+    StreamUnderrun = 6, "stream_underrun",
+        "a stream ran out of knots while the axis moved",
+        "look for a host that is too slow or a bus that is too full, then clear and enable";
+    /// The drive does not follow.
+    FollowingError = 7, "following_error",
+        "the drive was farther from its setpoint than following.error for following.time",
+        "look for something that blocks the axis or a drive that is tuned too softly, then clear and enable";
+    /// The drive is outside of the travel.
+    OutsideTravel = 8, "outside_travel",
+        "the drive left the travel by more than following.error",
+        "bring the axis back by hand or from a place outside, then clear and enable";
+    /// The drive is faster than it may be.
+    Overspeed = 9, "overspeed",
+        "the drive was faster than limits.velocity by more than overspeed.margin",
+        "look for a drive that runs away or swings, then clear and enable";
+    /// The drive reports what cannot be.
+    FeedbackRange = 10, "feedback_range",
+        "the drive reported a position or a velocity that the protocol cannot carry",
+        "check the encoder and the drive's units, then clear and enable";
+    /// The node's bus controller gave up.
+    BusOff = 11, "bus_off",
+        "the node's controller went off the bus after too many errors",
+        "check wiring, termination and bit rate, then clear and enable";
+    /// Another node sends as this axis.
+    DuplicateAxis = 12, "duplicate_axis",
+        "another node on the bus sends with this axis's id",
+        "give one of the two another id with scan --assign, then clear and enable";
+    /// What was saved cannot be read.
+    ParametersLost = 13, "parameters_lost",
+        "the saved parameters cannot be read; the defaults hold",
+        "set and save the parameters anew, then clear and enable";
 }
 
 impl Fault {
-    /// Every fault, in the order of their numbers.
-    pub const ALL: [Self; 5] = [
-        Self::EmergencyStop,
-        Self::HostTimeout,
-        Self::DriveLost,
-        Self::DriveFault,
-        Self::EnableTimeout,
-    ];
-
-    /// The name on the command line, in the DBC and in the documents.
-    pub const fn name(self) -> &'static str {
+    /// The parameter that says how the axis comes to rest; `None` where nothing is left to choose:
+    /// an emergency stop is a controlled stop, and a drive that is gone cannot be led.
+    pub const fn reaction(self) -> Option<Parameter> {
         match self {
-            Self::EmergencyStop => "emergency_stop",
-            Self::HostTimeout => "host_timeout",
-            Self::DriveLost => "drive_lost",
-            Self::DriveFault => "drive_fault",
-            Self::EnableTimeout => "enable_timeout",
-        }
-    }
-
-    /// What made it.
-    pub const fn cause(self) -> &'static str {
-        match self {
-            Self::EmergencyStop => "an emergency stop frame arrived",
-            Self::HostTimeout => {
-                "the session that held the axis sent no heartbeat for host.timeout (0.25 s)"
+            Self::HostTimeout => Some(Parameter::HostReaction),
+            Self::StreamUnderrun => Some(Parameter::StreamReaction),
+            Self::FollowingError | Self::OutsideTravel | Self::Overspeed | Self::FeedbackRange => {
+                Some(Parameter::FollowingReaction)
             }
-            Self::DriveLost => "the drive sent nothing for too long",
-            Self::DriveFault => "the drive disabled itself or reported a fault of its own",
-            Self::EnableTimeout => "the drive did not enable within 1 s",
-        }
-    }
-
-    /// What to do about it.
-    pub const fn cure(self) -> &'static str {
-        match self {
-            Self::EmergencyStop => "see that it is safe, then clear and enable",
-            Self::HostTimeout => {
-                "look for a host that crashed, hung or lost the bus, then clear and enable"
-            }
-            Self::DriveLost => "check the drive's power and bus, then clear and enable",
-            Self::DriveFault => "read the fault with the drive's own tool, then clear and enable",
-            Self::EnableTimeout => {
-                "check the drive's power and its own state, then clear and enable"
-            }
+            Self::BusOff | Self::DuplicateAxis => Some(Parameter::BusReaction),
+            Self::EmergencyStop
+            | Self::DriveLost
+            | Self::DriveFault
+            | Self::EnableTimeout
+            | Self::ParametersLost => None,
         }
     }
 }

@@ -405,5 +405,5 @@ impl Axis {
 
 /// A move that was not begun when a newer one came.
 fn overtaken_by(newer: &WantedMove) -> Refusal {
-    (Reason::StaleSequence, newer.sequence.into())
+    (Reason::Overtaken, newer.sequence.into())
 }

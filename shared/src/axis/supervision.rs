@@ -4,7 +4,7 @@ use super::answer::Refusal;
 use super::fault::Fault;
 use super::prepared::Prepared;
 use super::state::State;
-use super::{Axis, HOST_TIMEOUT, Request};
+use super::{Axis, Request};
 use crate::drive::Condition;
 use crate::motion::Setpoint;
 use crate::time::Ticks;
@@ -17,7 +17,10 @@ const ENABLE_TIMEOUT: Ticks = Ticks(1_000);
 impl Axis {
     /// Once a tick, before its setpoint: the host, the drive, then the state machine.
     pub(super) fn supervise(&mut self) {
-        if self.commander.is_silent(self.tick, HOST_TIMEOUT) {
+        if self
+            .commander
+            .is_silent(self.tick, self.settings.host_timeout)
+        {
             self.lose_commander();
             if self.state.drives() {
                 self.raise(Fault::HostTimeout);

@@ -1,15 +1,14 @@
 //! What a host says to the axes.
 
-use super::frame::Frame;
-use super::id::{Address, Function, split};
+mod codec;
+
+use super::id::Function;
 use super::layout::{
-    self, ACCELERATION_SHIFT, Addressing, Field, JERK_SHIFT, Layout, POSITION_SHIFT, Sender,
-    VELOCITY_LIMIT_SHIFT, control, host_heartbeat, peak_limits, plain_move, ramp_limits, stop,
-    sync, trapezoid_shape, trigger,
+    ACCELERATION_SHIFT, JERK_SHIFT, POSITION_SHIFT, VELOCITY_LIMIT_SHIFT, VELOCITY_SHIFT,
 };
-use super::{DecodeError, FieldError};
 use crate::time::{BusTime, Tick, Ticks};
 use crate::units::{Acceleration, Jerk, Position, Velocity};
+pub(super) use codec::open;
 use num_enum::{IntoPrimitive, TryFromPrimitive};
 
 /// One commander's claim to axes: a number that it draws at random when it begins, not zero.
@@ -29,17 +28,69 @@ pub enum Action {
     Disable = 4,
     /// Forget a latched fault; the axis stays disabled.
     Clear = 5,
+    /// Keep the parameters of all axes of the node over a loss of power.
+    Save = 6,
+    /// Set the axis's parameters to their defaults, which is not saved yet.
+    Restore = 7,
 }
 
 impl Action {
     /// Every action, in the order of their codes.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 7] = [
         Self::Hold,
         Self::Release,
         Self::Enable,
         Self::Disable,
         Self::Clear,
+        Self::Save,
+        Self::Restore,
     ];
+}
+
+/// What is asked about a parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, IntoPrimitive, TryFromPrimitive)]
+#[repr(u8)]
+pub enum Item {
+    /// Its value now.
+    Value = 0,
+    /// The value that it will have after a loss of power.
+    Saved = 1,
+    /// The least value that is accepted.
+    Minimum = 2,
+    /// The greatest value that is accepted.
+    Maximum = 3,
+    /// The value that it has until it is changed.
+    Default = 4,
+}
+
+impl Item {
+    /// Every item, in the order of their codes.
+    pub const ALL: [Self; 5] = [
+        Self::Value,
+        Self::Saved,
+        Self::Minimum,
+        Self::Maximum,
+        Self::Default,
+    ];
+}
+
+/// One of the three frames that give an axis another id. A node takes the third only after both
+/// others have named its own chip, with no other part between.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AssignPart {
+    /// The first six bytes of the chip's id.
+    ChipFirst([u8; 6]),
+    /// The last six bytes of the chip's id.
+    ChipLast([u8; 6]),
+    /// What to change.
+    Axis {
+        /// The axis's id until now, as a number.
+        axis: u8,
+        /// Its id from now on, as a number.
+        new_axis: u8,
+        /// Comes back in the answer, which is from the new id.
+        sequence: u8,
+    },
 }
 
 /// The profile of a plain move.
@@ -135,6 +186,44 @@ pub enum Command {
         /// The command's number; for a staged move its group.
         sequence: u8,
     },
+    /// Begin a stream of knots, from rest.
+    StreamBegin {
+        /// The tick to leave at; the place of the axis then counts as the first knot.
+        start: Tick,
+        /// Ticks from knot to knot, not 0.
+        period: u8,
+        /// The number of that first knot, 0 to 63.
+        number: u8,
+        /// The command's number.
+        sequence: u8,
+    },
+    /// The next knot of the stream.
+    Knot {
+        /// Where to be.
+        position: Position,
+        /// How fast to pass through there.
+        velocity: Velocity,
+        /// Its number, 0 to 63, one more than that of the knot before; 0 follows 63.
+        number: u8,
+    },
+    /// What is a parameter's value?
+    ParameterRead {
+        /// The parameter's number.
+        parameter: u8,
+        /// What is asked about it.
+        item: Item,
+    },
+    /// Change a parameter.
+    ParameterWrite {
+        /// The parameter's number.
+        parameter: u8,
+        /// Its raw value.
+        value: i64,
+        /// The command's number.
+        sequence: u8,
+    },
+    /// Give an axis another id.
+    Assign(AssignPart),
     /// Who is there?
     IdentityRequest,
 }
@@ -163,38 +252,19 @@ const fn down(counts: i64, shift: u32) -> i64 {
     counts >> shift << shift
 }
 
-pub(super) const fn wire_steps(position: Position) -> i64 {
+pub(in crate::wire) const fn wire_steps(position: Position) -> i64 {
     let half = 1 << (POSITION_SHIFT - 1);
     position.counts().saturating_add(half) >> POSITION_SHIFT
 }
 
-/// Builds a payload field by field, and keeps the first value that does not fit.
-struct Payload {
-    function: Function,
-    word: u64,
-    error: Option<FieldError>,
+/// The nearest velocity that a knot and feedback can carry, so that nothing at rest seems to creep.
+pub const fn wire_velocity(velocity: Velocity) -> Velocity {
+    Velocity::from_counts(wire_velocity_steps(velocity) << VELOCITY_SHIFT)
 }
 
-impl Payload {
-    fn put(mut self, field: &Field, raw: i64) -> Self {
-        let (minimum, maximum) = field.range();
-        if !(minimum..=maximum).contains(&raw) {
-            self.error.get_or_insert(FieldError {
-                function: self.function,
-                field: field.name,
-                value: raw,
-                minimum,
-                maximum,
-            });
-        }
-        self.word = field.put(self.word, raw);
-        self
-    }
-}
-
-/// An unsigned value as a raw one; what does not fit an i64 fits no field either.
-fn raw(value: u64) -> i64 {
-    i64::try_from(value).unwrap_or(i64::MAX)
+pub(in crate::wire) const fn wire_velocity_steps(velocity: Velocity) -> i64 {
+    let half = 1 << (VELOCITY_SHIFT - 1);
+    velocity.counts().saturating_add(half) >> VELOCITY_SHIFT
 }
 
 impl Command {
@@ -220,207 +290,12 @@ impl Command {
                 (ProfileKind::SCurve, false) => Function::MoveSCurve,
                 (ProfileKind::SCurve, true) => Function::StageSCurve,
             },
+            Self::StreamBegin { .. } => Function::StreamBegin,
+            Self::Knot { .. } => Function::Knot,
+            Self::ParameterRead { .. } => Function::ParameterRead,
+            Self::ParameterWrite { .. } => Function::ParameterWrite,
+            Self::Assign(_) => Function::Assign,
             Self::IdentityRequest => Function::IdentityRequest,
         }
     }
-
-    /// The command as a frame to `address`.
-    ///
-    /// # Errors
-    /// A value that its field cannot carry.
-    pub fn encode(&self, address: Address) -> Result<Frame, FieldError> {
-        let function = self.function();
-        let empty = Payload {
-            function,
-            word: 0,
-            error: None,
-        };
-        let payload = match *self {
-            Self::EmergencyStop | Self::IdentityRequest => empty,
-            Self::Sync { counter, time } => empty
-                .put(&sync::COUNTER, counter.into())
-                .put(&sync::TIME, raw(time.0)),
-            Self::Trigger {
-                group,
-                session,
-                start,
-            } => empty
-                .put(&trigger::GROUP, group.into())
-                .put(&trigger::SESSION, session.into())
-                .put(&trigger::START, raw(start.0)),
-            Self::Stop { sequence } => empty.put(&stop::SEQUENCE, sequence.into()),
-            Self::HostHeartbeat { session } => empty.put(&host_heartbeat::SESSION, session.into()),
-            Self::Control {
-                action,
-                sequence,
-                session,
-            } => empty
-                .put(&control::ACTION, u8::from(action).into())
-                .put(&control::SEQUENCE, sequence.into())
-                .put(&control::SESSION, session.into()),
-            Self::TrapezoidShape {
-                acceleration,
-                deceleration,
-                sequence,
-            } => empty
-                .put(&trapezoid_shape::ACCELERATION, acceleration.0.into())
-                .put(&trapezoid_shape::DECELERATION, deceleration.0.into())
-                .put(&trapezoid_shape::SEQUENCE, sequence.into()),
-            Self::RampLimits {
-                acceleration,
-                deceleration,
-                sequence,
-            } => {
-                let steps = |value: Acceleration| value.counts() >> ACCELERATION_SHIFT;
-                empty
-                    .put(&ramp_limits::ACCELERATION, steps(acceleration))
-                    .put(&ramp_limits::DECELERATION, steps(deceleration))
-                    .put(&ramp_limits::SEQUENCE, sequence.into())
-            }
-            Self::PeakLimits {
-                velocity,
-                jerk,
-                sequence,
-            } => empty
-                .put(
-                    &peak_limits::VELOCITY,
-                    velocity.counts() >> VELOCITY_LIMIT_SHIFT,
-                )
-                .put(&peak_limits::JERK, jerk.counts() >> JERK_SHIFT)
-                .put(&peak_limits::SEQUENCE, sequence.into()),
-            Self::Move {
-                target,
-                duration,
-                sequence,
-                ..
-            } => empty
-                .put(&plain_move::TARGET, wire_steps(target))
-                .put(&plain_move::DURATION, duration.0.into())
-                .put(&plain_move::SEQUENCE, sequence.into()),
-        };
-        match payload.error {
-            Some(error) => Err(error),
-            None => {
-                let length = Layout::of(function).map_or(0, |layout| layout.length);
-                let id = address.frame_id(function);
-                Ok(Frame::from_word(id, payload.word, length))
-            }
-        }
-    }
-
-    /// What a frame from a host means, and for whom it is; `Ok(None)` for an axis's report.
-    ///
-    /// # Errors
-    /// A frame that is not of this protocol, or not whole.
-    pub fn decode(frame: &Frame) -> Result<Option<(Address, Self)>, DecodeError> {
-        let (function, address, word) = match open(frame, Sender::Host)? {
-            Some(opened) => opened,
-            None => return Ok(None),
-        };
-        let byte = |field: &Field| field.get(word) as u8;
-        let ticks = |field: &Field| Ticks(field.get(word) as u32);
-        let moved = |profile, staged| Self::Move {
-            profile,
-            staged,
-            target: Position::from_counts(plain_move::TARGET.get(word) << POSITION_SHIFT),
-            duration: ticks(&plain_move::DURATION),
-            sequence: byte(&plain_move::SEQUENCE),
-        };
-        let command = match function {
-            Function::EmergencyStop => Self::EmergencyStop,
-            Function::Sync => Self::Sync {
-                counter: byte(&sync::COUNTER),
-                time: BusTime(sync::TIME.get(word) as u64),
-            },
-            Function::Trigger => Self::Trigger {
-                group: byte(&trigger::GROUP),
-                session: trigger::SESSION.get(word) as u16,
-                start: Tick(trigger::START.get(word) as u64),
-            },
-            Function::Stop => Self::Stop {
-                sequence: byte(&stop::SEQUENCE),
-            },
-            Function::HostHeartbeat => Self::HostHeartbeat {
-                session: host_heartbeat::SESSION.get(word) as u16,
-            },
-            Function::Control => Self::Control {
-                action: Action::try_from(byte(&control::ACTION)).map_err(|_| {
-                    DecodeError::Value {
-                        function,
-                        field: control::ACTION.name,
-                        value: control::ACTION.get(word) as u64,
-                    }
-                })?,
-                sequence: byte(&control::SEQUENCE),
-                session: control::SESSION.get(word) as u16,
-            },
-            Function::TrapezoidShape => Self::TrapezoidShape {
-                acceleration: ticks(&trapezoid_shape::ACCELERATION),
-                deceleration: ticks(&trapezoid_shape::DECELERATION),
-                sequence: byte(&trapezoid_shape::SEQUENCE),
-            },
-            Function::RampLimits => {
-                let limit = |field: &Field| {
-                    Acceleration::from_counts(field.get(word) << ACCELERATION_SHIFT)
-                };
-                Self::RampLimits {
-                    acceleration: limit(&ramp_limits::ACCELERATION),
-                    deceleration: limit(&ramp_limits::DECELERATION),
-                    sequence: byte(&ramp_limits::SEQUENCE),
-                }
-            }
-            Function::PeakLimits => Self::PeakLimits {
-                velocity: Velocity::from_counts(
-                    peak_limits::VELOCITY.get(word) << VELOCITY_LIMIT_SHIFT,
-                ),
-                jerk: Jerk::from_counts(peak_limits::JERK.get(word) << JERK_SHIFT),
-                sequence: byte(&peak_limits::SEQUENCE),
-            },
-            Function::MoveBeta => moved(ProfileKind::Beta, false),
-            Function::MoveTrapezoid => moved(ProfileKind::Trapezoid, false),
-            Function::MoveSCurve => moved(ProfileKind::SCurve, false),
-            Function::StageBeta => moved(ProfileKind::Beta, true),
-            Function::StageTrapezoid => moved(ProfileKind::Trapezoid, true),
-            Function::StageSCurve => moved(ProfileKind::SCurve, true),
-            Function::IdentityRequest => Self::IdentityRequest,
-            Function::Acknowledgement
-            | Function::Started
-            | Function::Fault
-            | Function::Feedback
-            | Function::Heartbeat
-            | Function::Identity => return Ok(None),
-        };
-        Ok(Some((address, command)))
-    }
-}
-
-/// Checks a frame of `sender` against its layout: function, address, payload; `None` where the
-/// other side sends such frames.
-pub(super) fn open(
-    frame: &Frame,
-    sender: Sender,
-) -> Result<Option<(Function, Address, u64)>, DecodeError> {
-    let unknown = DecodeError::UnknownFunction { id: frame.id() };
-    let (function, address) = split(frame.id()).ok_or(unknown)?;
-    let layout = layout::Layout::of(function).ok_or(unknown)?;
-    if layout.sender != sender {
-        return Ok(None);
-    }
-    let addressed = match layout.addressing {
-        Addressing::All => address == Address::All,
-        Addressing::One => address != Address::All,
-        Addressing::Any => true,
-    };
-    if !addressed {
-        return Err(DecodeError::Address { function });
-    }
-    let (length, expected) = (frame.data().len(), usize::from(layout.length));
-    if length != expected {
-        return Err(DecodeError::Length {
-            function,
-            length,
-            expected,
-        });
-    }
-    Ok(Some((function, address, frame.word())))
 }

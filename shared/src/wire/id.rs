@@ -21,6 +21,8 @@ pub enum Function {
     Sync = 1,
     /// Start what was staged, all at one bus time.
     Trigger = 2,
+    /// A knot of a stream.
+    Knot = 3,
     /// Controlled stop, from anybody.
     Stop = 4,
     /// The commander is alive.
@@ -51,14 +53,24 @@ pub enum Function {
     Started = 17,
     /// A fault was latched.
     Fault = 18,
+    /// Begin a stream of knots.
+    StreamBegin = 19,
     /// Where the axis is.
     Feedback = 20,
     /// State, commander and counters.
     Heartbeat = 24,
+    /// What is the value of a parameter?
+    ParameterRead = 25,
+    /// Change a parameter.
+    ParameterWrite = 26,
+    /// The value of a parameter.
+    Parameter = 27,
     /// Who is there?
     IdentityRequest = 28,
     /// Chip, firmware and protocol of a node.
     Identity = 29,
+    /// Give an axis another id, by the chip that it belongs to.
+    Assign = 30,
 }
 
 /// One axis on a bus, 1 to 63.

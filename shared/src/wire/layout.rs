@@ -23,6 +23,10 @@ pub enum Choices {
     Function,
     /// [`super::report::Board`].
     Board,
+    /// [`crate::parameter::Parameter`].
+    Parameter,
+    /// [`super::command::Item`].
+    Item,
 }
 
 /// Who sends a frame.
@@ -199,6 +203,12 @@ fields! {
         SESSION = Field::unsigned("session", 8, 16);
         START = Field::unsigned("start", 24, 40).unit(TICK, "s");
     }
+    /// Knot.
+    knot {
+        POSITION = Field::unsigned("position", 0, 34).signed().unit(POSITION_FACTOR, "turn");
+        VELOCITY = Field::unsigned("velocity", 34, 24).signed().unit(VELOCITY_FACTOR, "turn/s");
+        NUMBER = Field::unsigned("number", 58, 6);
+    }
     /// Stop.
     stop {
         SEQUENCE = Field::unsigned("sequence", 0, 8);
@@ -254,6 +264,13 @@ fields! {
         FAULT = Field::unsigned("fault", 0, 8).choices(Choices::Fault);
         TIME = Field::unsigned("time", 8, 56).unit(MICROSECOND, "s");
     }
+    /// Stream begin.
+    stream_begin {
+        START = Field::unsigned("start", 0, 40).unit(TICK, "s");
+        PERIOD = Field::unsigned("period", 40, 8).unit(TICK, "s");
+        NUMBER = Field::unsigned("number", 48, 6);
+        SEQUENCE = Field::unsigned("sequence", 56, 8);
+    }
     /// Feedback.
     feedback {
         POSITION = Field::unsigned("position", 0, 34).signed().unit(POSITION_FACTOR, "turn");
@@ -271,6 +288,23 @@ fields! {
         LOST = Field::unsigned("lost", 48, 8);
         REJECTED = Field::unsigned("rejected", 56, 8);
     }
+    /// Parameter read.
+    parameter_read {
+        PARAMETER = Field::unsigned("parameter", 0, 8).choices(Choices::Parameter);
+        ITEM = Field::unsigned("item", 8, 8).choices(Choices::Item);
+    }
+    /// Parameter write.
+    parameter_write {
+        PARAMETER = Field::unsigned("parameter", 0, 8).choices(Choices::Parameter);
+        VALUE = Field::unsigned("value", 8, 48).signed();
+        SEQUENCE = Field::unsigned("sequence", 56, 8);
+    }
+    /// Parameter.
+    parameter {
+        PARAMETER = Field::unsigned("parameter", 0, 8).choices(Choices::Parameter);
+        ITEM = Field::unsigned("item", 8, 8).choices(Choices::Item);
+        VALUE = Field::unsigned("value", 16, 48).signed();
+    }
     /// Identity: three frames told apart by their part.
     identity {
         PART = Field::unsigned("part", 0, 8);
@@ -282,6 +316,15 @@ fields! {
         FIRMWARE_PATCH = Field::unsigned("firmware_patch", 48, 8).part(0);
         CHIP_FIRST = Field::unsigned("chip_first", 8, 48).part(1);
         CHIP_LAST = Field::unsigned("chip_last", 8, 48).part(2);
+    }
+    /// Assign: three frames told apart by their part.
+    assign {
+        PART = Field::unsigned("part", 0, 8);
+        CHIP_FIRST = Field::unsigned("chip_first", 8, 48).part(0);
+        CHIP_LAST = Field::unsigned("chip_last", 8, 48).part(1);
+        AXIS = Field::unsigned("axis", 8, 8).part(2);
+        NEW_AXIS = Field::unsigned("new_axis", 16, 8).part(2);
+        SEQUENCE = Field::unsigned("sequence", 24, 8).part(2);
     }
 }
 
@@ -310,13 +353,14 @@ const fn layout(
 }
 
 /// Every frame of the protocol, in the order of priority.
-pub const LAYOUTS: [Layout; 22] = {
+pub const LAYOUTS: [Layout; 28] = {
     use Addressing::{All, Any, One};
     use Sender::{Host, Node};
     [
         layout(Function::EmergencyStop, Host, Any, &[]),
         layout(Function::Sync, Host, All, sync::FIELDS),
         layout(Function::Trigger, Host, All, trigger::FIELDS),
+        layout(Function::Knot, Host, One, knot::FIELDS),
         layout(Function::Stop, Host, Any, stop::FIELDS),
         layout(Function::HostHeartbeat, Host, All, host_heartbeat::FIELDS),
         layout(Function::Control, Host, One, control::FIELDS),
@@ -337,10 +381,15 @@ pub const LAYOUTS: [Layout; 22] = {
         ),
         layout(Function::Started, Node, One, started::FIELDS),
         layout(Function::Fault, Node, One, fault::FIELDS),
+        layout(Function::StreamBegin, Host, One, stream_begin::FIELDS),
         layout(Function::Feedback, Node, One, feedback::FIELDS),
         layout(Function::Heartbeat, Node, One, heartbeat::FIELDS),
+        layout(Function::ParameterRead, Host, One, parameter_read::FIELDS),
+        layout(Function::ParameterWrite, Host, One, parameter_write::FIELDS),
+        layout(Function::Parameter, Node, One, parameter::FIELDS),
         layout(Function::IdentityRequest, Host, Any, &[]),
         layout(Function::Identity, Node, One, identity::FIELDS),
+        layout(Function::Assign, Host, All, assign::FIELDS),
     ]
 };
 

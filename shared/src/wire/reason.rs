@@ -32,11 +32,36 @@ pub enum Reason {
     Moving = 11,
     /// A field holds a value that means nothing.
     BadValue = 12,
+    /// A newer move took its place before it left. Detail: the newer number.
+    Overtaken = 13,
+    /// A stop called it off.
+    Stopped = 14,
+    /// No parameter has this number. Detail: that number.
+    UnknownParameter = 15,
+    /// The value is outside the parameter's range, or contradicts another one. Detail: the number
+    /// of the parameter.
+    OutOfRange = 16,
+    /// Only while the axis is disabled. Detail: its state.
+    NotDisabled = 17,
+    /// The parameters could not be written; what was saved before is still there.
+    SaveFailed = 18,
+    /// No stream has begun, or it is over.
+    NotStreaming = 19,
+    /// The stream holds as many knots as it can. Detail: ticks until there is room.
+    StreamFull = 20,
+    /// More knots are missing than can be bridged. Detail: how many.
+    KnotsMissing = 21,
+    /// The curve to the knot would break the acceleration limit.
+    TooStrong = 22,
+    /// From the knot, no stop ends inside the travel.
+    CannotStop = 23,
+    /// Another axis of the node has this id, or no axis has the old one. Detail: that id.
+    IdTaken = 24,
 }
 
 impl Reason {
     /// Every reason, in the order of their codes.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 25] = [
         Self::Accepted,
         Self::NotHeld,
         Self::HeldByOther,
@@ -50,6 +75,18 @@ impl Reason {
         Self::DriveNotReady,
         Self::Moving,
         Self::BadValue,
+        Self::Overtaken,
+        Self::Stopped,
+        Self::UnknownParameter,
+        Self::OutOfRange,
+        Self::NotDisabled,
+        Self::SaveFailed,
+        Self::NotStreaming,
+        Self::StreamFull,
+        Self::KnotsMissing,
+        Self::TooStrong,
+        Self::CannotStop,
+        Self::IdTaken,
     ];
 
     /// What it means, for a person; a host adds the axis and the detail.
@@ -68,6 +105,18 @@ impl Reason {
             Self::DriveNotReady => "the drive is lost or has a fault of its own",
             Self::Moving => "not while the axis moves",
             Self::BadValue => "a field holds a value that means nothing",
+            Self::Overtaken => "a newer move took its place before it left",
+            Self::Stopped => "a stop called it off",
+            Self::UnknownParameter => "no parameter has this number",
+            Self::OutOfRange => "the value is outside its range, or contradicts another parameter",
+            Self::NotDisabled => "only while the axis is disabled",
+            Self::SaveFailed => "the parameters could not be written",
+            Self::NotStreaming => "no stream has begun, or it is over",
+            Self::StreamFull => "the stream holds as many knots as it can",
+            Self::KnotsMissing => "more knots are missing than can be bridged",
+            Self::TooStrong => "the curve to the knot would break the acceleration limit",
+            Self::CannotStop => "from the knot, no stop ends inside the travel",
+            Self::IdTaken => "the node has no axis of the old id, or one of the new id",
         }
     }
 
@@ -87,6 +136,20 @@ impl Reason {
             Self::DriveNotReady => "look at the drive",
             Self::Moving => "stop the axis and wait until it rests",
             Self::BadValue => "see the protocol's table",
+            Self::Overtaken => "wait for a move's answer before the next",
+            Self::Stopped => "send it again if it is still wanted",
+            Self::UnknownParameter => {
+                "see the table of parameters, and the node's protocol version"
+            }
+            Self::OutOfRange => "read its minimum and maximum",
+            Self::NotDisabled => "disable the axis first",
+            Self::SaveFailed => "try again; if it stays so, the node's memory is worn out",
+            Self::NotStreaming => "begin a stream first",
+            Self::StreamFull => "send the knot again when there is room",
+            Self::KnotsMissing => "send knots without gaps; begin again if too many were lost",
+            Self::TooStrong => "change the velocity more gently",
+            Self::CannotStop => "slow down earlier",
+            Self::IdTaken => "ask with scan which ids the node has",
         }
     }
 }

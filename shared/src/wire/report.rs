@@ -1,11 +1,11 @@
 //! What an axis says, to everybody on the bus.
 
-use super::command::{Session, open, wire_steps};
+use super::command::{Item, Session, open, wire_steps, wire_velocity_steps};
 use super::frame::Frame;
 use super::id::{Address, AxisId, Function};
 use super::layout::{
     Field, Layout, POSITION_SHIFT, Sender, VELOCITY_SHIFT, acknowledgement, fault, feedback,
-    heartbeat, identity, started,
+    heartbeat, identity, parameter, started,
 };
 use super::reason::Reason;
 use super::{DecodeError, ProtocolVersion};
@@ -103,6 +103,15 @@ pub enum Report {
         /// Commands rejected.
         rejected: u8,
     },
+    /// What was asked about a parameter.
+    Parameter {
+        /// The parameter's number.
+        parameter: u8,
+        /// What it is.
+        item: Item,
+        /// The raw value.
+        value: i64,
+    },
     /// A part of a node's identity.
     Identity(IdentityPart),
 }
@@ -130,12 +139,12 @@ impl IdentityPart {
     pub const COUNT: u8 = 3;
 }
 
-fn chip_half(word: u64, field: &Field) -> [u8; 6] {
+pub(in crate::wire) fn chip_half(word: u64, field: &Field) -> [u8; 6] {
     let [a, b, c, d, e, f, _, _] = field.get(word).to_le_bytes();
     [a, b, c, d, e, f]
 }
 
-fn chip_word(half: [u8; 6]) -> i64 {
+pub(in crate::wire) fn chip_word(half: [u8; 6]) -> i64 {
     let [a, b, c, d, e, f] = half;
     i64::from_le_bytes([a, b, c, d, e, f, 0, 0])
 }
@@ -149,6 +158,7 @@ impl Report {
             Self::Fault { .. } => Function::Fault,
             Self::Feedback { .. } => Function::Feedback,
             Self::Heartbeat { .. } => Function::Heartbeat,
+            Self::Parameter { .. } => Function::Parameter,
             Self::Identity(_) => Function::Identity,
         }
     }
@@ -184,7 +194,7 @@ impl Report {
                 moving,
             } => put([
                 (feedback::POSITION, wire_steps(position)),
-                (feedback::VELOCITY, wire_velocity(velocity)),
+                (feedback::VELOCITY, wire_velocity_steps(velocity)),
                 (feedback::STATE, state.into()),
                 (feedback::MOVING, moving.into()),
             ]),
@@ -204,6 +214,15 @@ impl Report {
                 (heartbeat::ERROR_FRAMES, error_frames.into()),
                 (heartbeat::LOST, lost.into()),
                 (heartbeat::REJECTED, rejected.into()),
+            ]),
+            Self::Parameter {
+                parameter: number,
+                item,
+                value,
+            } => put([
+                (parameter::PARAMETER, number.into()),
+                (parameter::ITEM, u8::from(item).into()),
+                (parameter::VALUE, value),
             ]),
             Self::Identity(IdentityPart::Version {
                 protocol,
@@ -277,6 +296,11 @@ impl Report {
                 lost: byte(&heartbeat::LOST),
                 rejected: byte(&heartbeat::REJECTED),
             },
+            Function::Parameter => Self::Parameter {
+                parameter: byte(&parameter::PARAMETER),
+                item: Item::try_from(byte(&parameter::ITEM)).map_err(|_| bad(&parameter::ITEM))?,
+                value: parameter::VALUE.get(word),
+            },
             Function::Identity => Self::Identity(match identity::PART.get(word) {
                 0 => IdentityPart::Version {
                     protocol: ProtocolVersion {
@@ -298,12 +322,6 @@ impl Report {
         };
         Ok(Some((axis, report)))
     }
-}
-
-/// The nearest step, so that nothing at rest seems to creep.
-fn wire_velocity(velocity: Velocity) -> i64 {
-    let half = 1 << (VELOCITY_SHIFT - 1);
-    velocity.counts().saturating_add(half) >> VELOCITY_SHIFT
 }
 
 fn put<const COUNT: usize>(values: [(Field, i64); COUNT]) -> u64 {

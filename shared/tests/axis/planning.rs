@@ -113,7 +113,7 @@ fn a_stop_overtakes_a_move_and_refuses_the_next_until_it_is_planned() {
     let mut bench = moving(3, 2);
     assert_eq!(bench.send(beta(10, 0.0, 8_000)), Outcome::Planning);
     assert_eq!(bench.send(STOP), Outcome::Accepted);
-    assert_eq!(answers(&bench), [(10, Reason::Moving)]);
+    assert_eq!(answers(&bench), [(10, Reason::Stopped)]);
     let moving = Outcome::Rejected(Reason::Moving);
     assert_eq!(bench.send(beta(11, 0.0, 8_000)), moving);
     assert_eq!(bench.send(beta(11, 0.0, 8_000)), Outcome::Repeated);
@@ -170,14 +170,14 @@ fn the_newer_of_two_moves_counts() {
         }
     }
     bench.run(10);
-    let stale = Reason::StaleSequence;
+    let overtaken = Reason::Overtaken;
     let accepted = Reason::Accepted;
     assert_eq!(
         answers(&bench),
         [
-            (11, stale),
-            (12, stale),
-            (13, stale),
+            (11, overtaken),
+            (12, overtaken),
+            (13, overtaken),
             (10, accepted),
             (14, accepted)
         ]
@@ -215,7 +215,7 @@ fn the_repetition_of_a_move_that_was_called_off_is_refused_the_same() {
     bench.run(1_000);
     bench.reports.clear();
     assert_eq!(bench.send(beta(10, 0.0, 8_000)), Outcome::Repeated);
-    assert_eq!(answers(&bench), [(10, Reason::Moving)]);
+    assert_eq!(answers(&bench), [(10, Reason::Stopped)]);
     bench.stays(1_000);
 }
 
@@ -223,7 +223,7 @@ fn the_repetition_of_a_move_that_was_called_off_is_refused_the_same() {
 fn what_is_still_being_checked_is_forgotten_with_what_is_staged() {
     type Case = (fn(&mut Bench) -> Outcome, Reason);
     let cases: [Case; 4] = [
-        (|bench| bench.send(STOP), Reason::Moving),
+        (|bench| bench.send(STOP), Reason::Stopped),
         (|bench| bench.control(Action::Hold), Reason::StaleSequence),
         (|bench| bench.control(Action::Release), Reason::NotHeld),
         (|bench| bench.control(Action::Disable), Reason::NotEnabled),

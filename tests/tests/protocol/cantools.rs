@@ -147,7 +147,7 @@ fn cantools_reads_and_writes_the_golden_frames() {
         (&json!("fault"), &json!("host_timeout"))
     );
     assert_eq!(names("607#0400DEC000000000")["fault"], "none");
-    assert_eq!(names("747#00010110000102")["board"], "nucleo-g474re");
+    assert_eq!(names("747#00010210000102")["board"], "nucleo-g474re");
 }
 
 #[test]

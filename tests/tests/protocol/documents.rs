@@ -83,6 +83,7 @@ fn the_tables_of_the_protocol_are_up_to_date() {
         ("frames", markdown::frames()),
         ("examples", examples()),
         ("reasons", markdown::reasons()),
+        ("parameters", markdown::parameters()),
     ] {
         document = replaced(&document, name, &content);
     }

@@ -1,10 +1,11 @@
 //! One frame or more of each kind, byte for byte, and what the codec makes of it.
 
 use canter::dbc::message_name;
+use canter_shared::parameter::Parameter;
 use canter_shared::time::{BusTime, Tick, Ticks};
 use canter_shared::units::{Acceleration, Jerk, Position, Velocity};
 use canter_shared::wire::ProtocolVersion;
-use canter_shared::wire::command::{Action, Command, ProfileKind};
+use canter_shared::wire::command::{Action, AssignPart, Command, Item, ProfileKind};
 use canter_shared::wire::frame::Frame;
 use canter_shared::wire::id::{Address, AxisId, Function, split};
 use canter_shared::wire::layout::{LAYOUTS, Layout};
@@ -119,6 +120,11 @@ fn said() -> Vec<Said> {
             session: SESSION,
             start: Tick(3_600_500),
         }),
+        axis(Command::Knot {
+            position: Position::from_counts(TURN / 4),
+            velocity: Velocity::from_counts(-TURN / 2),
+            number: 5,
+        }),
         all(Command::Stop { sequence: 9 }),
         axis(Command::Stop { sequence: 10 }),
         all(Command::HostHeartbeat { session: SESSION }),
@@ -165,6 +171,12 @@ fn said() -> Vec<Said> {
             fault: 2,
             time: BusTime(3_601_250_000),
         }),
+        axis(Command::StreamBegin {
+            start: Tick(3_600_500),
+            period: 20,
+            number: 4,
+            sequence: 18,
+        }),
         Said::Node(Report::Feedback {
             position: Position::from_counts(-TURN / 4),
             velocity: Velocity::from_counts(-TURN / 2),
@@ -189,9 +201,28 @@ fn said() -> Vec<Said> {
             lost: 0,
             rejected: 0,
         }),
+        axis(Command::ParameterRead {
+            parameter: Parameter::VelocityLimit.into(),
+            item: Item::Default,
+        }),
+        axis(Command::ParameterWrite {
+            parameter: Parameter::VelocityLimit.into(),
+            value: 12_500_000_000,
+            sequence: 19,
+        }),
+        axis(Command::ParameterWrite {
+            parameter: Parameter::PositionMinimum.into(),
+            value: -1_600_000_000,
+            sequence: 20,
+        }),
+        Said::Node(Report::Parameter {
+            parameter: Parameter::VelocityLimit.into(),
+            item: Item::Default,
+            value: 20_000_000_000,
+        }),
         all(Command::IdentityRequest),
         Said::Node(Report::Identity(IdentityPart::Version {
-            protocol: ProtocolVersion { major: 1, minor: 1 },
+            protocol: ProtocolVersion { major: 1, minor: 2 },
             board: 16,
             firmware: [0, 1, 2],
         })),
@@ -201,6 +232,13 @@ fn said() -> Vec<Said> {
         Said::Node(Report::Identity(IdentityPart::ChipLast([
             7, 8, 9, 10, 11, 12,
         ]))),
+        all(Command::Assign(AssignPart::ChipFirst([1, 2, 3, 4, 5, 6]))),
+        all(Command::Assign(AssignPart::ChipLast([7, 8, 9, 10, 11, 12]))),
+        all(Command::Assign(AssignPart::Axis {
+            axis: 7,
+            new_axis: 9,
+            sequence: 21,
+        })),
     ]
 }
 

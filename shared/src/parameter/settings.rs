@@ -1,0 +1,143 @@
+//! What the parameters mean: the one place where raw values become limits, times and reactions.
+
+use super::table::Parameter;
+use super::values::{ParameterError, Values};
+use crate::limits::{LimitValues, Limits};
+use crate::motion::shaping::{ShaperKind, Shaping};
+use crate::time::Ticks;
+use crate::units::{COUNTS_PER_RADIAN, Position, Velocity};
+use num_enum::{IntoPrimitive, TryFromPrimitive};
+
+/// How an axis comes to rest when something has gone wrong.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, IntoPrimitive, TryFromPrimitive)]
+#[repr(u8)]
+pub enum Reaction {
+    /// As quickly as the limits allow, jerk among them.
+    ControlledStop = 0,
+    /// With the deceleration limit at once, whatever the jerk.
+    QuickStop = 1,
+    /// Not at all: torque is taken away.
+    Disable = 2,
+}
+
+/// The reaction to each kind of trouble that leaves a choice.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Reactions {
+    /// A silent host.
+    pub host: Reaction,
+    /// A stream that has run dry.
+    pub stream: Reaction,
+    /// A drive that does not do what it is told.
+    pub following: Reaction,
+    /// A bus that failed, or another node with the same id.
+    pub bus: Reaction,
+}
+
+/// What an axis is set to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// What the axis may do.
+    pub limits: Limits,
+    /// Silence of the holding session after which the axis stops.
+    pub host_timeout: Ticks,
+    /// What is done about trouble.
+    pub reactions: Reactions,
+    /// How far the drive may be from its setpoint and outside the travel; `None` does not watch.
+    pub following_error: Option<Position>,
+    /// How long the drive may be farther away than that.
+    pub following_time: Ticks,
+    /// The speed that the drive may not pass; `None` does not watch.
+    pub overspeed: Option<Velocity>,
+    /// What the setpoints are shaped for, if anything.
+    pub shaping: Option<Shaping>,
+    /// The id of the drive on its bus.
+    pub drive_node: u8,
+    /// Ticks between two feedback frames.
+    pub feedback_period: Ticks,
+    /// Ticks between two heartbeats.
+    pub heartbeat_period: Ticks,
+}
+
+impl Settings {
+    /// What values mean that have been looked at already.
+    pub(super) fn of_valid(values: &Values) -> Self {
+        // They do not contradict each other, so the other arm is never taken.
+        Self::of(values, Parameter::PositionMinimum)
+            .unwrap_or_else(|_| Self::assemble(values, Limits::default(), None))
+    }
+
+    /// What `values` mean, where `changed` is the one that may contradict the others.
+    pub(super) fn of(values: &Values, changed: Parameter) -> Result<Self, ParameterError> {
+        let number = |parameter: Parameter| parameter.in_unit(values.get(parameter));
+        let contradicts = |other| ParameterError::Contradiction {
+            parameter: changed,
+            other,
+        };
+        let limits = Limits::new(&LimitValues {
+            velocity: number(Parameter::VelocityLimit),
+            acceleration: number(Parameter::AccelerationLimit),
+            deceleration: number(Parameter::DecelerationLimit),
+            jerk: number(Parameter::JerkLimit),
+            position_minimum: number(Parameter::PositionMinimum),
+            position_maximum: number(Parameter::PositionMaximum),
+        })
+        // Each is in its range, so only the travel's ends can be the wrong way round.
+        .map_err(|_| {
+            contradicts(match changed {
+                Parameter::PositionMinimum => Parameter::PositionMaximum,
+                _ => Parameter::PositionMinimum,
+            })
+        })?;
+        let kind = match values.get(Parameter::ShaperKind) {
+            1 => Some(ShaperKind::Zv),
+            2 => Some(ShaperKind::Zvd),
+            3 => Some(ShaperKind::Ei),
+            _ => None,
+        };
+        let shaping = kind
+            .map(|kind| {
+                let frequency = number(Parameter::ShaperFrequency);
+                Shaping::new(kind, frequency, number(Parameter::ShaperDamping))
+            })
+            .transpose()
+            // A frequency so low that the kind needs a longer memory than there is.
+            .map_err(|_| {
+                contradicts(match changed {
+                    Parameter::ShaperKind => Parameter::ShaperFrequency,
+                    _ => Parameter::ShaperKind,
+                })
+            })?;
+        Ok(Self::assemble(values, limits, shaping))
+    }
+
+    /// All that no other value can contradict.
+    fn assemble(values: &Values, limits: Limits, shaping: Option<Shaping>) -> Self {
+        let ticks = |parameter| Ticks(values.get(parameter) as u32);
+        let reaction = |parameter| {
+            Reaction::try_from(values.get(parameter) as u8).unwrap_or(Reaction::ControlledStop)
+        };
+        // Zero is not watched.
+        let watched = |parameter: Parameter| {
+            let radians = parameter.in_unit(values.get(parameter));
+            (radians > 0.0).then_some((radians * COUNTS_PER_RADIAN) as i64)
+        };
+        Self {
+            limits,
+            host_timeout: ticks(Parameter::HostTimeout),
+            reactions: Reactions {
+                host: reaction(Parameter::HostReaction),
+                stream: reaction(Parameter::StreamReaction),
+                following: reaction(Parameter::FollowingReaction),
+                bus: reaction(Parameter::BusReaction),
+            },
+            following_error: watched(Parameter::FollowingError).map(Position::from_counts),
+            following_time: ticks(Parameter::FollowingTime),
+            overspeed: watched(Parameter::OverspeedMargin)
+                .map(|margin| limits.velocity() + Velocity::from_counts(margin)),
+            shaping,
+            drive_node: values.get(Parameter::DriveNode) as u8,
+            feedback_period: ticks(Parameter::FeedbackPeriod),
+            heartbeat_period: ticks(Parameter::HeartbeatPeriod),
+        }
+    }
+}
