@@ -18,6 +18,7 @@ mod axis {
     mod sequence;
     mod shaping;
     mod stop;
+    mod sync;
     mod telemetry;
     mod trapezoid;
     mod trigger;

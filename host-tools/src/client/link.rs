@@ -15,13 +15,13 @@ use std::collections::BTreeMap;
 pub(super) const MILLISECOND: u64 = 1_000;
 
 /// Between two SYNCs: 20 ms, in which crystals of +-100 ppm part by 4 us.
-const SYNC_PERIOD: u64 = 20 * MILLISECOND;
+const SYNC_PERIOD: u64 = 19_618;
 
 /// Between the first SYNCs: quick, so that the nodes' clocks settle before the first move.
-const FIRST_SYNC_PERIOD: u64 = 4 * MILLISECOND;
+const FIRST_SYNC_PERIOD: u64 = 3_618;
 
 /// SYNCs that go out quickly: four windows of a node's clock.
-const FIRST_SYNCS: u32 = 32;
+const FIRST_SYNCS: u32 = 64;
 
 /// Between two host heartbeats: five within the axes' time-out of 250 ms.
 const HEARTBEAT_PERIOD: u64 = 50 * MILLISECOND;
