@@ -136,11 +136,6 @@ impl BusClock {
         self.synchronised
     }
 
-    /// The counter of the last SYNC that counted: who takes over goes on from it.
-    pub const fn counter(&self) -> u8 {
-        self.source.counter()
-    }
-
     /// Bus time at a local time.
     pub fn bus_time(&self, local: LocalTime) -> BusTime {
         let elapsed = local.0.wrapping_sub(self.local.0) as i64;

@@ -34,10 +34,6 @@ impl Source {
         }
     }
 
-    pub(super) const fn counter(&self) -> u8 {
-        self.counter
-    }
-
     /// Whether it has been silent for so long that it counts as gone.
     pub(super) fn is_silent(&self, now: LocalTime) -> bool {
         now.since(self.heard) >= SILENCE
