@@ -212,7 +212,9 @@ fn ticks_stay_locked_to_sync() {
         let moving = || ticks.0.iter().skip_while(|ran| ran.tick < FIRST_MOVE);
         let ran = || moving().filter(|ran| ran.axes == 12);
         let late = |time: u64, ran: &Ran| (time - ran.tick * TICK) as f64;
-        let sum: f64 = ran().map(|ran| late(ran.first, ran) + late(ran.last, ran)).sum();
+        let sum: f64 = ran()
+            .map(|ran| late(ran.first, ran) + late(ran.last, ran))
+            .sum();
         // All clocks are late by a SYNC's way to the nodes.
         let common = sum / (2 * ran().count()) as f64;
         for ran in ran() {

@@ -22,8 +22,10 @@ const SYNC_PERIOD: u64 = 19_618;
 /// Between the first SYNCs: quick, so that the nodes' clocks settle before the first move.
 const FIRST_SYNC_PERIOD: u64 = 3_618;
 
-/// SYNCs that go out quickly: 0.23 s, after which 12 clocks are within 15 us.
-const FIRST_SYNCS: u32 = 64;
+/// SYNCs that go out quickly, and those of them that are waited for before anything moves: 0.23 s,
+/// after which 12 clocks are within 15 us.
+const FIRST_SYNCS: u32 = 128;
+const SETTLING_SYNCS: u64 = 64;
 
 /// Between two host heartbeats: five within the axes' time-out of 250 ms.
 const HEARTBEAT_PERIOD: u64 = 50 * MILLISECOND;
@@ -153,15 +155,15 @@ impl<B: Bus> Client<B> {
         Ok(())
     }
 
-    /// Starts the quick SYNCs over and waits until they are out: the nodes' clocks agree then.
-    /// Those of another host are waited for as long.
+    /// Starts the quick SYNCs over and waits for half of them: the nodes' clocks agree then. Another
+    /// host's SYNCs are waited for as long.
     pub(super) fn settle_clocks(&mut self) -> Result<(), ClientError> {
         self.beacon.quick = 0;
         if self.beacon.sending.is_some() {
             self.beacon.next_sync = self.bus.now();
         }
-        let quick = u64::from(FIRST_SYNCS + 1) * FIRST_SYNC_PERIOD;
-        let until = after(self.bus.now(), quick);
+        let settling = (SETTLING_SYNCS + 1) * FIRST_SYNC_PERIOD;
+        let until = after(self.bus.now(), settling);
         self.wait(until, |_| false)?;
         Ok(())
     }

@@ -140,7 +140,11 @@ impl BusClock {
     pub fn bus_time(&self, local: LocalTime) -> BusTime {
         let elapsed = local.0.wrapping_sub(self.local.0) as i64;
         let correction = self.correction(elapsed) >> FINE;
-        BusTime(self.bus.0.saturating_add_signed(elapsed.saturating_add(correction)))
+        BusTime(
+            self.bus
+                .0
+                .saturating_add_signed(elapsed.saturating_add(correction)),
+        )
     }
 
     /// The least local time at which [`Self::bus_time`] shows at least `bus`, give or take 1 us.

@@ -202,7 +202,8 @@ impl TwoHosts {
                 self.bench.sync_numbered(*counter, time);
                 self.bench.run(PERIOD / 4);
             }
-            self.bench.run(PERIOD - PERIOD / 4 * speak.map(u64::from).iter().sum::<u64>());
+            self.bench
+                .run(PERIOD - PERIOD / 4 * speak.map(u64::from).iter().sum::<u64>());
         }
     }
 
