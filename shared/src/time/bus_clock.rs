@@ -41,8 +41,8 @@ const FITTING: i64 = 2 * JITTER;
 
 /// While the rate is not known the clock may part from the bus by 1 / 5000, 200 ppm; once it is
 /// known, by 50 ppm, which leaves room for a crystal that warms up.
-const UNKNOWN_DRIFT: i64 = 5_000;
-const KNOWN_DRIFT: i64 = 20_000;
+const UNKNOWN_DRIFT: u32 = 5_000;
+const KNOWN_DRIFT: u32 = 20_000;
 
 /// Points of the history from which on the rate counts as known.
 const KNOWN_POINTS: usize = 8;
@@ -186,6 +186,8 @@ impl BusClock {
         sent: BusTime,
         may_step: bool,
     ) -> Discipline {
+        // Local time does not go back; ages of points below rely on it.
+        let received = received.max(self.source.heard());
         let sample = Sample { received, sent };
         let error = self.error(sample);
         if self.synchronised && !self.source.is_followed(received, counter, error >> FINE) {
@@ -249,8 +251,8 @@ impl BusClock {
             UNKNOWN_DRIFT
         };
         let last = self.history.newest().unwrap_or(self.local);
-        let since = best.received.since(last).min(LONGEST as u64) as i64;
-        let bound = (JITTER + since / drift) << FINE;
+        let since = u32::try_from(best.received.since(last)).unwrap_or(u32::MAX);
+        let bound = (JITTER + i64::from(since / drift)) << FINE;
         if error < -bound {
             self.doubts += 1;
             if self.doubts < DOUBTS {

@@ -91,7 +91,7 @@ fn a_small_jump_of_the_host_s_clock_is_followed_at_rest() {
         for mut listener in listeners() {
             listener.offset = OFFSET.saturating_add_signed(jump);
             // Forward with the next point; backward it could be delay, until eight points say so.
-            listener.listen(if jump > 0 { 360_000 } else { 2_900_000 });
+            listener.listen(if jump > 0 { 360_000 } else { 3_100_000 });
             let error = listener.error();
             assert!(error.abs() <= 35, "{jump} us: off by {error} us");
         }
@@ -105,7 +105,7 @@ fn a_small_jump_of_the_host_s_clock_is_made_up_for_slowly_in_motion() {
             listener.may_step = false;
             listener.offset = OFFSET.saturating_add_signed(jump);
             let mut shown = listener.clock.bus_time(listener.local(listener.now)).0;
-            for _ in 0..(2_900_000 + jump.unsigned_abs() * 5_000) / PERIOD {
+            for _ in 0..(3_100_000 + jump.unsigned_abs() * 5_000) / PERIOD {
                 listener.listen(PERIOD);
                 let now = listener.clock.bus_time(listener.local(listener.now)).0;
                 let part = (now - shown) as f64 / PERIOD as f64 - 1.0;

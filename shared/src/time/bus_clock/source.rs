@@ -34,6 +34,11 @@ impl Source {
         }
     }
 
+    /// When its last SYNC arrived.
+    pub(super) const fn heard(&self) -> LocalTime {
+        self.heard
+    }
+
     /// Whether it has been silent for so long that it counts as gone.
     pub(super) fn is_silent(&self, now: LocalTime) -> bool {
         now.since(self.heard) >= SILENCE
