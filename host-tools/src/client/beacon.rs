@@ -86,7 +86,7 @@ impl Beacon {
         }
         self.counter = counter;
         self.sending = None;
-        let share = TAKE_OVER_SPREAD * u64::from(session) >> Session::BITS;
+        let share = (TAKE_OVER_SPREAD * u64::from(session)) >> Session::BITS;
         self.next_sync = after(now, TAKE_OVER + share);
         true
     }
