@@ -209,8 +209,8 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
         let Ok(Some((address, command))) = Command::decode(frame) else {
             return;
         };
-        if let Command::Sync { time, .. } = command {
-            self.synchronise(now, time);
+        if let Command::Sync { counter, time } = command {
+            self.synchronise(now, counter, time);
             return;
         }
         if let Command::Assign(part) = command {
@@ -241,11 +241,11 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
         }
     }
 
-    fn synchronise(&mut self, now: LocalTime, sent: BusTime) {
+    fn synchronise(&mut self, now: LocalTime, counter: u8, sent: BusTime) {
         let due = self.next_tick();
         let at_rest = self.slots.iter().all(|slot| !slot.axis.is_moving());
-        if self.clock.synchronise(now, sent, at_rest) == Discipline::Stepped && self.next.is_some()
-        {
+        let discipline = self.clock.synchronise(now, counter, sent, at_rest);
+        if discipline == Discipline::Stepped && self.next.is_some() {
             // A frame may have waited while ticks went on: those are not run again, else a busy node that
             // is set again and again would never get on.
             let next = self.clock.bus_time(now.max(self.ticked)).next_tick();

@@ -4,8 +4,8 @@
 
 /// Here so that the files lie in a folder of their own.
 mod axis {
-    mod backlog;
     mod assign;
+    mod backlog;
     mod bench;
     mod clock;
     mod commander;
@@ -22,6 +22,7 @@ mod axis {
     mod sequence;
     mod shaping;
     mod stop;
+    mod sync;
     mod telemetry;
     mod three;
     mod trapezoid;

@@ -7,6 +7,7 @@ mod vcan {
     mod refusals;
     mod robot;
     mod trouble;
+    mod two_hosts;
 }
 
 use std::time::Duration;
