@@ -74,7 +74,7 @@ pub enum Outcome {
     Planning,
     /// It was refused; the answer with the reason is waiting.
     Rejected(Reason),
-    /// It was a repetition; the first answer is waiting again, or still to come.
+    /// It was a repetition; the first answer, where there is one, is waiting again or still to come.
     Repeated,
 }
 

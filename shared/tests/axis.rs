@@ -18,6 +18,8 @@ mod axis {
     mod sequence;
     mod shaping;
     mod stop;
+    mod streaming;
+    mod streams;
     mod telemetry;
     mod trapezoid;
     mod trigger;
