@@ -19,6 +19,7 @@ mod axis {
     mod shaping;
     mod stop;
     mod streaming;
+    mod streaming_random;
     mod streams;
     mod telemetry;
     mod trapezoid;

@@ -162,7 +162,7 @@ fn step() -> impl Strategy<Value = Step> {
     ]
 }
 
-fn limits() -> impl Strategy<Value = Limits> {
+pub fn limits() -> impl Strategy<Value = Limits> {
     let exponents = (-0.5..2.0f64, 0.5..3.5f64, 0.5..3.5f64, 0.0..3.5f64);
     (exponents, -1.0..1.5f64, -5.0..5.0f64).prop_map(
         |((velocity, acceleration, deceleration, jerk), travel, middle)| {
@@ -382,7 +382,7 @@ impl Run {
 }
 
 /// Plans at once, or with frames and ticks between taking a plan and bringing it back.
-fn planner() -> impl Strategy<Value = Planner> {
+pub fn planner() -> impl Strategy<Value = Planner> {
     let delay = prop_oneof![
         10 => (0u8..4).prop_map(Some),
         3 => (0u8..20).prop_map(Some),
