@@ -247,6 +247,9 @@ impl Axis {
         if self.state.drives() {
             self.setpoint = self.course.at(tick);
             let mut arrived = self.course.fold(tick);
+            if self.planning.stops() && !self.course.is_moving(tick) {
+                self.planning.forget_stops();
+            }
             if self.shapes() {
                 let late = !self.shaper.is_settled();
                 self.setpoint = self.shaper.shape(self.setpoint);

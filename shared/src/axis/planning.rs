@@ -100,7 +100,7 @@ impl Planning {
         working.chain(&self.waiting)
     }
 
-    fn stops(&self) -> bool {
+    pub(super) fn stops(&self) -> bool {
         self.jobs().any(Job::stops)
     }
 
@@ -123,6 +123,12 @@ impl Planning {
         let working = self.working.take_if(|(job, _)| wanted(job));
         let working = working.map(|(job, _)| job);
         working.or_else(|| self.waiting.take_if(|job| wanted(job)))
+    }
+
+    /// Forgets a stop of what has come to rest by itself meanwhile: no late planner keeps an axis
+    /// from being at rest.
+    pub(super) fn forget_stops(&mut self) {
+        while self.take(Job::stops).is_some() {}
     }
 
     /// Forgets all jobs, none of which is a move.

@@ -6,7 +6,7 @@ use super::streams::{PERIOD, knot, quintic};
 use canter_shared::axis::Outcome;
 use canter_shared::axis::fault::Fault;
 use canter_shared::axis::state::State;
-use canter_shared::limits::Limits;
+use canter_shared::limits::{DEFAULT_VALUES, LimitValues, Limits};
 use canter_shared::motion::shaping::{ShaperKind, Shaping};
 use canter_shared::time::Tick;
 use canter_shared::wire::command::{Action, Command};
@@ -316,6 +316,14 @@ fn a_stop_ends_a_stream_under_way_wherever_it_comes() {
         for (lead, delay) in [(0, 0), (1, 0), (3, 2), (1, 60)] {
             let (mut bench, last) = Bench::streaming(Limits::default(), 1.5, 2.0, ticks);
             bench.planner = Planner::slow(lead, delay);
+            // Where its knots alone would have led it.
+            let mut twin = bench.axis.clone();
+            let mut rests = bench.tick;
+            while twin.is_moving() {
+                rests += 1;
+                twin.tick(Tick(rests), Tick(rests).time());
+                let _: Option<Outcome> = twin.plan();
+            }
             assert_eq!(bench.send(STOP), Outcome::Accepted);
             let sent = bench.send(knot(last + 1, 0.0, 0.0));
             assert_eq!(sent, REFUSED(Reason::NotStreaming));
@@ -325,6 +333,9 @@ fn a_stop_ends_a_stream_under_way_wherever_it_comes() {
                 bench.step_evenly();
                 left -= 1;
                 assert!(left > 0, "{ticks} {delay}");
+                if bench.velocity() != 0.0 {
+                    assert!(bench.tick < rests, "{ticks} {delay}");
+                }
             }
             assert_eq!(bench.axis.state(), State::OperationEnabled);
             assert_eq!(bench.axis.fault(), None);
@@ -332,6 +343,52 @@ fn a_stop_ends_a_stream_under_way_wherever_it_comes() {
             bench.planner = Planner::default();
             assert_eq!(bench.go(0.2, 4_000), Outcome::Accepted);
         }
+    }
+}
+
+#[test]
+fn a_stop_keeps_the_jerk_limit_where_there_is_room() {
+    let (mut bench, _) = Bench::streaming(Limits::default(), 1.5, 2.0, 900);
+    assert_eq!(bench.send(STOP), Outcome::Accepted);
+    let most = bench.axis.limits().jerk().radians() * 1e-3 + 1e-6;
+    while bench.axis.is_moving() {
+        let last = bench.setpoint.acceleration;
+        bench.step_evenly();
+        let step = (bench.setpoint.acceleration - last).radians();
+        assert!(step.abs() <= most, "{step}");
+    }
+}
+
+/// A knot that is reached at full speed just where it must be braked, and a jerk limit that is too
+/// low to stop before: the stream itself brakes from the splice on.
+#[test]
+fn a_stop_without_room_brakes_at_once() {
+    const TURN: f64 = std::f64::consts::TAU;
+    // From 8 rad/s it brakes over 0.16 rad, and loses 0.016 rad to two ticks.
+    let limits = Limits::new(&LimitValues {
+        jerk: 0.1,
+        position_maximum: 0.4 + 0.18,
+        ..DEFAULT_VALUES
+    })
+    .expect("in range");
+    for ticks in 88..100 {
+        let mut bench = Bench::enabled(limits, 0.0);
+        assert_eq!(bench.begin(1, 100, 0), Outcome::Accepted);
+        let sent = bench.send(knot(1, 0.4 / TURN, 8.0 / TURN));
+        assert_eq!(sent, Outcome::Accepted);
+        bench.run(ticks);
+        let speed = bench.velocity();
+        assert!(speed > 6.5, "{speed}");
+        assert_eq!(bench.send(STOP), Outcome::Accepted);
+        let begin = bench.tick;
+        while bench.axis.is_moving() {
+            bench.step_evenly();
+        }
+        // Along its knots it would take until the knot and 40 ms more.
+        let most = (speed / 200.0 * 1e3).ceil() as u64;
+        assert_eq!(bench.tick - begin, most, "{ticks}");
+        assert_eq!(bench.axis.state(), State::OperationEnabled);
+        bench.stays(20);
     }
 }
 

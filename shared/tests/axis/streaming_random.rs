@@ -135,8 +135,9 @@ struct Run {
     trace: Vec<Setpoint>,
     accepted: usize,
     missing: usize,
-    /// Ticks that were stopped or ran dry in motion.
+    /// Whether it was stopped or ran dry in motion.
     cut_short: bool,
+    shaped: bool,
 }
 
 impl Run {
@@ -148,8 +149,21 @@ impl Run {
         let led = before.drives() && self.bench.axis.state().drives();
         if led && before != State::ReadyToSwitchOn {
             evenly(last, self.bench.setpoint, self.bench.axis.limits());
+            self.keeps_both_limits_of_acceleration();
         }
         self.trace.push(self.bench.setpoint);
+    }
+
+    /// The bench looks for the greater of both.
+    fn keeps_both_limits_of_acceleration(&self) {
+        let (now, limits) = (self.bench.setpoint, self.bench.axis.limits());
+        let slows = now.velocity.counts().signum() == -now.acceleration.counts().signum();
+        let limit = match slows {
+            _ if self.shaped => limits.slower_acceleration(),
+            true => limits.deceleration(),
+            false => limits.acceleration(),
+        };
+        assert!(now.acceleration.abs() <= limit, "{now:?}");
     }
 
     fn send(&mut self, command: Command) -> Outcome {
@@ -225,6 +239,7 @@ impl Case {
             accepted: 0,
             missing: 0,
             cut_short: false,
+            shaped: self.shaped,
         };
         let mut left = self.knots.iter();
         let mut skipped = 0;
