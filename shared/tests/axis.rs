@@ -14,6 +14,7 @@ mod axis {
     mod planner;
     mod planning;
     mod random;
+    mod random_stream;
     mod s_curve;
     mod sequence;
     mod shaping;
