@@ -12,6 +12,7 @@
 //! | `request` | what can be asked for |
 //! | `plan` | each axis's part of a move, checked before anything is sent |
 //! | `movement` | synchronised moves |
+//! | `stream` | motion that is made up as it goes |
 //! | `error` | what can go wrong |
 
 mod error;
@@ -21,12 +22,14 @@ mod movement;
 mod plan;
 mod power;
 mod request;
+mod stream;
 
 pub use error::ClientError;
 pub use known::{KnownAxis, KnownNode};
 pub use movement::{Arrival, Progress};
 pub(crate) use plan::RANGE_MARGIN;
 pub use request::{Goal, MoveRequest, Overrides, Target};
+pub use stream::{Pace, StreamEnd, StreamKnot};
 
 use crate::bus::Bus;
 use canter_shared::time::BusTime;
