@@ -334,10 +334,16 @@ fn can_stop(knot: &Knot, limits: &Limits) -> Result<(), KnotError> {
     let lost = speed.saturating_mul(STOP_TICKS as u64) / TICKS_PER_SECOND;
     let left = room.counts().unsigned_abs().checked_sub(lost);
     let deceleration = limits.deceleration().counts().unsigned_abs();
-    let stops = left.is_some_and(|left| {
-        u128::from(speed) * u128::from(speed) <= 2 * u128::from(deceleration) * u128::from(left)
-    });
-    if stops {
+    let stops = |left: u64| {
+        // Mostly there is more room than needed, and 2^-20 of everything tells.
+        let above = (speed >> 20) + 1;
+        let (strength, room) = (deceleration >> 20, left >> 20);
+        // Speeds and ways are below 2^44, decelerations below 2^50.
+        above * above <= 2 * strength * room
+            || u128::from(speed) * u128::from(speed)
+                <= 2 * u128::from(deceleration) * u128::from(left)
+    };
+    if left.is_some_and(stops) {
         Ok(())
     } else {
         Err(KnotError::CannotStop {

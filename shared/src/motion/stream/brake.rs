@@ -65,17 +65,18 @@ impl Brake {
     pub(super) fn at(&self, position: i64, velocity: i64, elapsed: u32) -> (i64, i64, i64) {
         let speed = velocity.saturating_abs();
         let sign = velocity.signum();
-        let way = self.way(speed);
         if self.has_ended(velocity, elapsed) {
-            return (position.saturating_add(sign * way), 0, 0);
+            return (position.saturating_add(sign * self.way(speed)), 0, 0);
         }
         // It has not ended: d n is below 1000 v, less than 2^53.
         let lost = scale((self.deceleration * i64::from(elapsed)) << BITS, TICK);
         let now = (speed << BITS) - lost;
-        let mean = (speed << BITS) - lost / 2;
+        // What was lost may be 4 units more than that. So the way passed is never too long, and the
+        // last step leads forward as well.
+        let mean = (speed << BITS) - lost / 2 - 3;
         let passed = scale(mean.saturating_mul(elapsed.into()), TICK) >> BITS;
         (
-            position.saturating_add(sign * passed.min(way)),
+            position.saturating_add(sign * passed.min(self.room)),
             sign * (now >> BITS),
             -sign * self.deceleration,
         )
