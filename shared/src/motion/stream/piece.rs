@@ -157,6 +157,11 @@ impl Shape {
         let mean = divide(thousandfold << VELOCITY_BITS, ticks);
         let v0 = from.velocity << VELOCITY_BITS;
         let v4 = to.velocity << VELOCITY_BITS;
+        let rates = Rates {
+            velocity: fastest << VELOCITY_BITS,
+            acceleration: limits.acceleration().counts() << ACCELERATION_BITS,
+            deceleration: limits.deceleration().counts() << ACCELERATION_BITS,
+        };
         let shape = match (from.acceleration, to.acceleration) {
             (Some(first), Some(last)) => {
                 // a T / 4 with T = ticks / 1000: a * ticks is below 2^61.
@@ -169,14 +174,16 @@ impl Shape {
                 // The mean of the control values is that of the velocity.
                 let velocity = [v0, v1, 5 * mean - v0 - v1 - v3 - v4, v3, v4];
                 let [_, v1, v2, v3, _] = velocity;
+                let acceleration = [
+                    first << ACCELERATION_BITS,
+                    per_second(v2 - v1, 4, ticks)?,
+                    per_second(v3 - v2, 4, ticks)?,
+                    last << ACCELERATION_BITS,
+                ];
+                rates.keep(velocity, acceleration, HALVINGS)?;
                 Self {
                     velocity,
-                    acceleration: [
-                        first << ACCELERATION_BITS,
-                        per_second(v2 - v1, 4, ticks)?,
-                        per_second(v3 - v2, 4, ticks)?,
-                        last << ACCELERATION_BITS,
-                    ],
+                    acceleration,
                 }
             }
             _ => {
@@ -184,6 +191,7 @@ impl Shape {
                 let middle = 3 * mean - v0 - v4;
                 let first = per_second(middle - v0, 2, ticks)?;
                 let last = per_second(v4 - middle, 2, ticks)?;
+                rates.keep([v0, middle, v4], [first, last], HALVINGS)?;
                 Self {
                     velocity: [
                         v0,
@@ -201,18 +209,12 @@ impl Shape {
                 }
             }
         };
-        shape.keeps(from.position, ticks, limits)?;
+        shape.stays(from.position, ticks, limits)?;
         Ok(shape)
     }
 
-    /// Whether the piece from `position` keeps the limits everywhere.
-    fn keeps(&self, position: i64, ticks: u16, limits: &Limits) -> Result<(), Breach> {
-        Rates {
-            velocity: limits.velocity().counts() << VELOCITY_BITS,
-            acceleration: limits.acceleration().counts() << ACCELERATION_BITS,
-            deceleration: limits.deceleration().counts() << ACCELERATION_BITS,
-        }
-        .keep(self.velocity, self.acceleration, HALVINGS)?;
+    /// Whether the piece from `position` stays inside the travel.
+    fn stays(&self, position: i64, ticks: u16, limits: &Limits) -> Result<(), Breach> {
         // Mostly the ends of the travel are too far away to be reached in this time.
         let whole = u64::from(ticks).wrapping_mul(TICK);
         let reach = scale(limits.velocity().counts(), whole) + ROUNDING;
@@ -313,10 +315,10 @@ struct Rates {
 
 impl Rates {
     /// Whether both curves keep the limits, looked at in up to 2^`halvings` parts.
-    fn keep(
+    fn keep<const V: usize, const A: usize>(
         &self,
-        velocity: [i64; 5],
-        acceleration: [i64; 4],
+        velocity: [i64; V],
+        acceleration: [i64; A],
         halvings: u32,
     ) -> Result<(), Breach> {
         // What is rounded to a standstill has no direction.
