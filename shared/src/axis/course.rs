@@ -4,6 +4,7 @@
 //! goes on, from there the other. At the splice both are in the same place at the same velocity.
 
 use super::Departure;
+use super::reaction::Stopping;
 use crate::motion::{Motion, Setpoint};
 use crate::time::Tick;
 use crate::units::Position;
@@ -12,8 +13,8 @@ use crate::units::Position;
 #[derive(Debug, Clone, Copy)]
 struct Next {
     splice: Tick,
-    /// Whether it brings the axis to rest, instead of to a target.
-    stops: bool,
+    /// How it brings the axis to rest; `None` where it leads to a target.
+    stops: Option<Stopping>,
     departure: Option<Departure>,
 }
 
@@ -71,9 +72,9 @@ impl Course {
         self.next.map(|next| (idle, next.splice))
     }
 
-    /// Whether a stop waits for its splice.
-    pub(super) fn is_about_to_stop(&self) -> bool {
-        self.next.is_some_and(|next| next.stops)
+    /// Whether a stop that is at least as hard waits for its splice.
+    pub(super) fn is_about_to_stop(&self, stopping: Stopping) -> bool {
+        self.next.is_some_and(|next| next.stops >= Some(stopping))
     }
 
     /// Whether the setpoint changes after `tick`, or will.
@@ -112,7 +113,7 @@ impl Course {
         &mut self,
         splice: Tick,
         motion: &Motion,
-        stops: bool,
+        stops: Option<Stopping>,
         departure: Option<Departure>,
     ) {
         self.idle_mut().clone_from(motion);
@@ -125,7 +126,7 @@ impl Course {
 
     /// Calls off what waits for its splice, unless it is a stop.
     pub(super) fn call_off_move(&mut self) {
-        self.next = self.next.filter(|next| next.stops);
+        self.next = self.next.filter(|next| next.stops.is_some());
     }
 
     /// Goes on to `tick`: where the other motion takes over, gives the departure that it brings.

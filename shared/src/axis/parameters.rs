@@ -2,6 +2,7 @@
 
 use super::answer::Refusal;
 use super::{Axis, Outcome};
+use crate::parameter::Parameter;
 use crate::wire::command::Item;
 use crate::wire::reason::Reason;
 
@@ -10,9 +11,18 @@ impl Axis {
         Outcome::Ignored
     }
 
-    pub(super) fn write_parameter(&mut self, _parameter: u8, _raw: i64) -> Result<u32, Refusal> {
-        let _ = &self.values;
-        Err((Reason::BadValue, 0))
+    pub(super) fn write_parameter(&mut self, parameter: u8, raw: i64) -> Result<u32, Refusal> {
+        let number = u32::from(parameter);
+        let unknown = (Reason::UnknownParameter, number);
+        let parameter = Parameter::try_from(parameter).map_err(|_| unknown)?;
+        if self.is_moving() {
+            return Err((Reason::Moving, 0));
+        }
+        let out_of_range = |_| (Reason::OutOfRange, number);
+        let (values, settings) = self.values.with(parameter, raw).map_err(out_of_range)?;
+        self.values = values;
+        self.settings = settings;
+        Ok(0)
     }
 
     pub(super) fn save_parameters(&mut self) -> Result<u32, Refusal> {

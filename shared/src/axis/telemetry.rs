@@ -1,15 +1,8 @@
 //! What an axis has to say and when: answers at once, feedback and heartbeat at their rates.
 
-use crate::time::{BusTime, Tick};
+use crate::time::{BusTime, Tick, Ticks};
 use crate::wire::report::Report;
 use heapless::Deque;
-
-/// Ticks between two feedback frames: 50 Hz. Twelve axes then take 12 * 50 * 135 us = 8 % of a
-/// bus of 1 Mbit/s.
-const FEEDBACK_PERIOD: u32 = 20;
-
-/// Ticks between two heartbeats: 10 Hz.
-const HEARTBEAT_PERIOD: u32 = 100;
 
 /// Ticks by which the axes' periods are shifted against each other, times the axis id, so that
 /// they do not all speak at once.
@@ -74,11 +67,13 @@ impl Telemetry {
         self.heartbeat_due = true;
     }
 
-    pub(super) fn tick(&mut self, tick: Tick) {
+    /// Twelve axes that give feedback at the default 50 Hz take 12 * 50 * 135 us = 8 % of a bus of
+    /// 1 Mbit/s.
+    pub(super) fn tick(&mut self, tick: Tick, feedback: Ticks, heartbeat: Ticks) {
         // In 32 bits, which the processor divides by itself; once in 49 days a period is cut short.
         let shifted = tick.0.wrapping_add(self.stagger) as u32;
-        self.feedback_due |= shifted.is_multiple_of(FEEDBACK_PERIOD);
-        self.heartbeat_due |= shifted.is_multiple_of(HEARTBEAT_PERIOD);
+        self.feedback_due |= shifted.is_multiple_of(feedback.0);
+        self.heartbeat_due |= shifted.is_multiple_of(heartbeat.0);
     }
 
     pub(super) fn next(&mut self) -> Option<Due> {
