@@ -14,6 +14,7 @@ mod axis {
     mod planner;
     mod planning;
     mod random;
+    mod reaction;
     mod s_curve;
     mod sequence;
     mod shaping;
@@ -21,5 +22,7 @@ mod axis {
     mod telemetry;
     mod trapezoid;
     mod trigger;
+    mod troubles;
     mod turns;
+    mod watch;
 }

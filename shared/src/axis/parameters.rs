@@ -19,7 +19,14 @@ impl Axis {
             return Err((Reason::Moving, 0));
         }
         let out_of_range = |_| (Reason::OutOfRange, number);
-        let (values, settings) = self.values.with(parameter, raw).map_err(out_of_range)?;
+        let (values, mut settings) = self.values.with(parameter, raw).map_err(out_of_range)?;
+        if parameter > Parameter::PositionMaximum {
+            // The limits that the axis was made with are not among its values.
+            let fastest = settings.limits.velocity();
+            settings.limits = self.settings.limits;
+            let own = settings.limits.velocity();
+            settings.overspeed = settings.overspeed.map(|most| most - fastest + own);
+        }
         self.values = values;
         self.settings = settings;
         Ok(0)

@@ -65,7 +65,7 @@ impl Axis {
 
     /// Takes notice that the node's controller went off the bus. What was commanded meanwhile is
     /// not known, so nothing goes on once it is back.
-    pub(crate) fn lose_bus(&mut self) {
+    pub fn lose_bus(&mut self) {
         self.raise(Fault::BusOff);
     }
 
@@ -80,7 +80,10 @@ impl Axis {
         if self.state.drives() && self.watch_condition() {
             return;
         }
-        let Some(report) = self.drive.filter(|report| report.condition != Condition::Lost) else {
+        let Some(report) = self
+            .drive
+            .filter(|report| report.condition != Condition::Lost)
+        else {
             return;
         };
         if !self.carries(&report) {

@@ -60,7 +60,7 @@ impl Motion {
         };
         let mut chain = Chain::new(now, self.at(now).position.counts());
         let laid = brake(&mut chain, &self.at(now), limits).is_some();
-        if !laid || !chain.stays(limits) || chain.end >= end {
+        if !laid || !chain.stays(limits) || chain.end > end {
             return end;
         }
         self.take_over(now, &chain);
