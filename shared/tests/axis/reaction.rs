@@ -242,6 +242,55 @@ fn a_second_trouble_hardens_the_reaction_and_is_not_latched() {
     }
 }
 
+/// The harder stop does not wait for the softer one: not while that is to be planned, nor while it is
+/// being planned, nor once it waits for its splice.
+#[test]
+fn a_quick_stop_takes_the_place_of_a_controlled_one_that_has_not_begun() {
+    for (lead, delay) in [(0, 0), (20, 0), (12, 10), (20, 10), (100, 0)] {
+        for after in [0, 1, 2, 4] {
+            let mut bench = Bench::enabled(Limits::default(), 0.0);
+            // A controlled stop takes much longer than a quick one.
+            bench.set(Parameter::JerkLimit, 400 * 10_000);
+            bench.set(Parameter::BusReaction, 1);
+            assert_eq!(bench.go(10.0, 9_000), Outcome::Accepted);
+            bench.run(4_000);
+            let quick = (bench.velocity() / 200.0 * 1e3).ceil() as u64 + 2;
+            assert!(quick > 40, "{quick}");
+            bench.planner = Planner::slow(lead, delay);
+            trouble(&mut bench, Fault::EmergencyStop);
+            bench.run(after);
+            trouble(&mut bench, Fault::DuplicateAxis);
+            let most = quick + u64::from(lead) + 2 * u64::from(delay) + 4;
+            bench.ticks_to_rest(most);
+            bench.run(1);
+            bench
+                .reports
+                .retain(|report| matches!(report, Report::Fault { .. }));
+            bench.planner = Planner::default();
+            ends_in(&mut bench, Fault::EmergencyStop);
+        }
+    }
+}
+
+/// A bus full of another node's reports must not keep the planner busy.
+#[test]
+fn the_same_trouble_again_leaves_nothing_to_plan() {
+    for reaction in [Reaction::ControlledStop, Reaction::QuickStop] {
+        let mut bench = moving(reaction);
+        trouble(&mut bench, Fault::DuplicateAxis);
+        bench.run(2);
+        let frame = Report::Started {
+            sequence: 0,
+            time: bench.now(),
+        }
+        .encode(AXIS);
+        let outcome = bench.axis.handle_frame(bench.now(), &frame);
+        assert_eq!(outcome, Outcome::Ignored);
+        assert!(bench.axis.is_moving());
+        assert!(!bench.axis.has_plan(), "{reaction:?}");
+    }
+}
+
 #[test]
 fn a_stop_and_an_emergency_stop_do_not_soften_a_quick_stop() {
     for command in [Command::EmergencyStop, Command::Stop { sequence: 3 }] {

@@ -181,7 +181,13 @@ fn play(case: &Case) -> Result<(Reaction, bool), TestCaseError> {
 /// Ticks until rest and one more, in which torque goes, from what the axis does now.
 fn most_ticks(bench: &Bench, reaction: Reaction, limits: &Limits) -> u64 {
     match reaction {
-        Reaction::ControlledStop => stopping_ticks(bench.velocity(), limits) + 1,
+        Reaction::ControlledStop => {
+            // An acceleration is taken back first, and carries the axis on to a higher speed.
+            let acceleration = bench.setpoint.acceleration.abs().radians();
+            let back = acceleration / limits.jerk().radians();
+            let speed = bench.velocity().abs() + 0.5 * acceleration * back;
+            stopping_ticks(speed, limits) + (back * 1e3).ceil() as u64 + 1
+        }
         Reaction::QuickStop => {
             let seconds = bench.velocity().abs() / limits.deceleration().radians();
             (seconds * 1e3).ceil() as u64 + 2

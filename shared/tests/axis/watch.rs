@@ -117,6 +117,11 @@ fn a_drive_that_was_enabled_outside_may_come_back_and_go_no_farther() {
         let mut bench = Bench::enabled(travel(1.0), side * 5.0);
         bench.run(100);
         is_well(&bench);
+        // Ahead of its setpoint on the way in, it is away but not farther out.
+        bench.shift = radians(side * -0.501);
+        bench.run(50);
+        is_well(&bench);
+        bench.shift = Position::ZERO;
         assert_eq!(bench.go(side * 0.5, 6_000), Outcome::Accepted);
         bench.ticks_to_rest(6_001);
         is_well(&bench);
