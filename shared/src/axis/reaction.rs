@@ -44,6 +44,7 @@ impl Fault {
 
 impl Axis {
     /// Something has gone wrong: latches the fault unless there is one, and brings the axis to rest.
+    #[inline(never)]
     pub(crate) fn raise(&mut self, fault: Fault) {
         let reaction = fault.reaction_of(&self.settings.reactions);
         let first = self.fault.is_none();

@@ -118,7 +118,7 @@ impl Axis {
     }
 
     /// Holds the drive's report against the last setpoint, which is what the drive has been told
-    /// when it reports: a fast axis goes on by half a degree and more in a tick.
+    /// when it reports: a fast axis goes on by a degree in a tick.
     ///
     /// Outside of the travel the drive may be where its setpoint is, which never goes farther out:
     /// an axis that is enabled outside may come back.
