@@ -22,6 +22,7 @@ use canter_shared::wire::report::Report;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;
+use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
 /// How long a move is to last.
@@ -483,17 +484,21 @@ proptest! {
     }
 }
 
-/// A test that never moves, or whose plans are never late, proves nothing.
+/// A test that never moves, whose plans are never late, or in which nothing goes wrong proves nothing.
 #[test]
 fn the_random_frames_move_the_axis_and_their_plans_are_late() {
     let mut runner = TestRunner::deterministic();
-    let (mut moved, mut outcomes) = (0, Vec::new());
+    let (mut moved, mut outcomes, mut faults) = (0, Vec::new(), BTreeSet::new());
     for _ in 0..500 {
         let steps = prop::collection::vec(step(), 1..60);
         let case = (limits(), -20.0..20.0f64, planner(), steps).new_tree(&mut runner);
         let (limits, place, planner, steps) = case.expect("a case").current();
         let run = run(limits, place, planner, steps);
         moved += run.moved;
+        faults.extend(run.bench.reports.iter().filter_map(|report| match report {
+            Report::Fault { fault, .. } => Some(*fault),
+            _ => None,
+        }));
         outcomes.extend(run.bench.planner.outcomes);
     }
     let count = |wanted: fn(&Outcome) -> bool| outcomes.iter().filter(|o| wanted(o)).count();
@@ -501,6 +506,9 @@ fn the_random_frames_move_the_axis_and_their_plans_are_late() {
     let late = count(|outcome| *outcome == Outcome::Planning);
     let overtaken = count(|outcome| *outcome == Outcome::Ignored);
     assert!(moved > 10_000, "{moved}");
+    for fault in super::reaction::CHOICES {
+        assert!(faults.contains(&fault.into()), "{fault:?} of {faults:?}");
+    }
     assert!(accepted > 300, "{accepted}");
     assert!(late > 50, "{late}");
     assert!(overtaken > 50, "{overtaken}");
