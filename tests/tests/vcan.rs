@@ -1,7 +1,8 @@
-//! Tests on real SocketCAN buses. The `vcan` part of tests/run makes vcan0 to vcan7 for them, in
+//! Tests on real SocketCAN buses. The `vcan` part of tests/run makes vcan0 to vcan8 for them, in
 //! the kernel that runs or inside user-mode Linux; each test has a bus of its own.
 
 mod vcan {
+    mod double;
     mod moves;
     mod refusals;
     mod robot;
