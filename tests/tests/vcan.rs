@@ -2,6 +2,7 @@
 //! the kernel that runs or inside user-mode Linux; each test has a bus of its own.
 
 mod vcan {
+    mod double;
     mod flood;
     mod moves;
     mod refusals;

@@ -8,8 +8,10 @@ use crate::time::Ticks;
 use crate::units::{COUNTS_PER_RADIAN, Position, Velocity};
 use num_enum::{IntoPrimitive, TryFromPrimitive};
 
-/// How an axis comes to rest when something has gone wrong.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, IntoPrimitive, TryFromPrimitive)]
+/// How an axis comes to rest when something has gone wrong; the harder the greater.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, IntoPrimitive, TryFromPrimitive,
+)]
 #[repr(u8)]
 pub enum Reaction {
     /// As quickly as the limits allow, jerk among them.
