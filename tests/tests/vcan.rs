@@ -5,6 +5,7 @@ mod vcan {
     mod moves;
     mod refusals;
     mod robot;
+    mod store;
     mod trouble;
 }
 
