@@ -5,7 +5,7 @@ use super::answer::{Refusal, acknowledgement};
 use super::fault::Fault;
 use super::{Axis, Outcome, Reply};
 use crate::motion::shaping::ShapingError;
-use crate::parameter::{Change, Parameter, Values};
+use crate::parameter::{Change, Parameter, Settings, Values};
 use crate::wire::command::Item;
 use crate::wire::id::{AxisId, Function};
 use crate::wire::reason::Reason;
@@ -61,31 +61,41 @@ impl Axis {
         if parameter.entry().change == Change::Disabled {
             self.disabled_now()?;
         }
-        let (values, _) = self
+        // First, because it is quick and the numbers are not.
+        self.at_rest_now()?;
+        let (values, settings) = self
             .values
-            .with(parameter, raw)
+            .with_settings(&self.settings, parameter, raw)
             .map_err(|_| (Reason::OutOfRange, number.into()))?;
-        self.change_values(&values)?;
+        // What stands is the one thing that a shaper asks for.
+        self.take_values(&values, settings)
+            .map_err(|_| (Reason::Moving, 0))?;
         Ok(0)
     }
 
     pub(super) fn restore_parameters(&mut self) -> Result<(), Refusal> {
         self.disabled_now()?;
-        self.change_values(&Values::defaults(self.id.get()))
+        self.at_rest_now()?;
+        let values = Values::defaults(self.id.get());
+        self.take_values(&values, values.settings())
+            .map_err(|_| (Reason::Moving, 0))
     }
 
-    fn change_values(&mut self, values: &Values) -> Result<(), Refusal> {
+    /// That the axis stands and nothing is about to move it.
+    fn at_rest_now(&self) -> Result<(), Refusal> {
         if self.is_moving() {
             return Err((Reason::Moving, 0));
         }
-        // What stands is the one thing that a shaper asks for.
-        self.take_values(values).map_err(|_| (Reason::Moving, 0))
+        Ok(())
     }
 
     /// Takes other values on, at rest. The axis may stand outside of its new travel, as one may that
     /// is enabled there: it can only be moved inside.
-    pub(super) fn take_values(&mut self, values: &Values) -> Result<(), ShapingError> {
-        let settings = values.settings();
+    pub(super) fn take_values(
+        &mut self,
+        values: &Values,
+        settings: Settings,
+    ) -> Result<(), ShapingError> {
         if settings.shaping != self.settings.shaping {
             // It did not follow what it did not shape.
             self.shaper.reset(self.setpoint.position);

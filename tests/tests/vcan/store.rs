@@ -56,21 +56,26 @@ fn file_of(number: u32) -> String {
 #[track_caller]
 fn number() -> u32 {
     let text = canter("param export --axis 1-3").success().stdout;
-    let told = |name: &str| {
-        let lines = text.lines().filter(move |line| line.starts_with(name));
-        lines.map(|line| {
-            let value = line.split(['=', '#']).nth(1).map(str::trim);
-            value.expect("a value").to_owned()
-        })
+    let told = |name: &str| -> Vec<String> {
+        let lines = text.lines().filter(|line| line.starts_with(name));
+        let value = |line: &str| {
+            line.split(['=', '#'])
+                .nth(1)
+                .map(|text| text.trim().to_owned())
+        };
+        lines.filter_map(value).collect()
     };
-    let velocities: Vec<String> = told("limits.velocity").collect();
+    let velocities = told("limits.velocity");
     let number: u32 = velocities[0].parse().expect("a whole number");
-    let jerk = (number * 100).to_string();
-    let error = format!("0.{number}");
     assert_eq!(velocities, [&*velocities[0]; 3], "{text}");
-    assert!(told("limits.jerk").all(|value| value == jerk), "{text}");
-    assert!(
-        told("following.error").all(|value| value == error),
+    assert_eq!(
+        told("limits.jerk"),
+        [&*(number * 100).to_string(); 3],
+        "{text}"
+    );
+    assert_eq!(
+        told("following.error"),
+        [&*format!("0.{number}"); 3],
         "{text}"
     );
     number
@@ -107,11 +112,11 @@ fn a_node_that_is_killed_while_it_saves_has_the_old_or_the_new() {
         canter(&format!("param import {} {save}", file.display())).success();
     };
     let mut running = node(&store);
-    import(10, "--save");
-    let mut old = 10;
+    import(11, "--save");
+    let mut old = 11;
     let mut kept = [0, 0];
     for round in 0..8 {
-        let new = 11 + round;
+        let new = 12 + round;
         import(new, "");
         kill_while_saving(running, &store, round as usize % 5);
         running = node(&store);
