@@ -6,7 +6,7 @@ use canter_tests::PATIENCE;
 use canter_tests::process::{Finished, Process};
 use serde_json::Value;
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 const BUS: &str = "vcan7";
 
@@ -83,7 +83,9 @@ fn number() -> u32 {
 
 /// Killed after the file has changed so often, or once the save has ended.
 fn kill_while_saving(node: Process, store: &Path, changes: usize) {
-    let mut saving = command("param save --axis 1-3").spawn().expect("it starts");
+    let mut saving = command("param save --axis 1-3");
+    let saving = saving.stdout(Stdio::null()).stderr(Stdio::null());
+    let mut saving = saving.spawn().expect("it starts");
     let mut last = std::fs::read(store).expect("the store");
     let mut seen = 0;
     let given_up = std::time::Instant::now() + PATIENCE;
