@@ -55,10 +55,10 @@ fn list_has_every_parameter_once() {
 
 #[test]
 fn angles_and_times_are_taken_in_every_unit() {
-    let json = canter("param set limits.position_min -60deg --axis 1-2 --json");
+    let json = canter("param set limits.position_min -100deg --axis 1-2 --json");
     let json = json.success().json();
     assert_eq!(json["changes"][1]["axis"], 2);
-    assert_eq!(json["changes"][1]["value"], -1.047197551);
+    assert_eq!(json["changes"][1]["value"], -1.745329252);
     let json = canter("param set host.timeout 300ms --axis all --json").success();
     assert_eq!(json.json()["changes"][11]["value"], 0.3);
     let json = canter("param set bus.reaction quick_stop --axis 1 --save --json").success();
