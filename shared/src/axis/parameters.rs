@@ -1,5 +1,7 @@
 //! What is set about an axis: read by anybody, written by the session that holds it, saved by the
 //! owner of its node.
+//!
+//! Rare, all of it, so it is kept out of the way of the commands that are not: nothing is inlined.
 
 use super::answer::{Refusal, acknowledgement};
 use super::fault::Fault;
@@ -32,6 +34,7 @@ impl Axis {
     }
 
     /// Anybody may ask, so no session and no number are looked at.
+    #[inline(never)]
     pub(super) fn read_parameter(&mut self, number: u8, item: Item) -> Outcome {
         let Ok(parameter) = Parameter::try_from(number) else {
             let refusal = Err((Reason::UnknownParameter, number.into()));
@@ -55,6 +58,7 @@ impl Axis {
         Outcome::Accepted
     }
 
+    #[inline(never)]
     pub(super) fn write_parameter(&mut self, number: u8, raw: i64) -> Result<u32, Refusal> {
         let parameter = Parameter::try_from(number)
             .map_err(|_| (Reason::UnknownParameter, u32::from(number)))?;
@@ -73,6 +77,7 @@ impl Axis {
         Ok(0)
     }
 
+    #[inline(never)]
     pub(super) fn restore_parameters(&mut self) -> Result<(), Refusal> {
         self.disabled_now()?;
         self.at_rest_now()?;
@@ -115,6 +120,7 @@ impl Axis {
     }
 
     /// Asks the owner to save. The answer comes when that is done; of two the newer counts.
+    #[inline(never)]
     pub(super) fn want_save(&mut self, sequence: u8) -> Result<(), Refusal> {
         self.disabled_now()?;
         self.refuse_save((Reason::Overtaken, sequence.into()));
@@ -153,6 +159,7 @@ impl Axis {
         self.answer_save(Err(why));
     }
 
+    #[inline(never)]
     fn answer_save(&mut self, answer: Result<u32, Refusal>) {
         let Some(Saving { sequence, .. }) = self.saving.take() else {
             return;
@@ -167,6 +174,7 @@ impl Axis {
     }
 
     /// Has another id from now on. Nobody holds the axis, so nobody is left behind with the old id.
+    #[inline(never)]
     pub(crate) fn assign(&mut self, id: AxisId) -> Result<(), Refusal> {
         self.disabled_now()?;
         if let Some(holder) = self.session() {

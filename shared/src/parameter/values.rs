@@ -78,6 +78,7 @@ pub struct Values([[u8; RAW_BYTES]; Parameter::COUNT]);
 
 impl Values {
     /// The defaults for the axis of this id.
+    #[inline(never)]
     pub fn defaults(axis: u8) -> Self {
         Self(Parameter::ALL.map(|parameter| to_bytes(parameter.default_raw(axis))))
     }
@@ -121,6 +122,7 @@ impl Values {
     }
 
     /// What the values mean.
+    #[inline(never)]
     pub fn settings(&self) -> Settings {
         Settings::of_valid(self)
     }
