@@ -242,7 +242,7 @@ impl Axis {
             return Err(ShapingError::Moving);
         }
         let values = self.values.shaped(shaping)?;
-        self.take_values(&values)
+        self.take_values(&values, values.settings())
     }
 
     fn shapes(&self) -> bool {

@@ -7,6 +7,7 @@ mod vcan {
     mod moves;
     mod refusals;
     mod robot;
+    mod store;
     mod trouble;
     mod two_hosts;
 }
