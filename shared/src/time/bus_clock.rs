@@ -136,7 +136,19 @@ impl BusClock {
 
     /// How much of the slew is done after some time.
     fn made_up(&self, elapsed: i64) -> i64 {
-        (elapsed / DRIFT).clamp(0, self.slew.abs()) * self.slew.signum()
+        let slew = self.slew.unsigned_abs();
+        let elapsed = elapsed.max(0).unsigned_abs();
+        // Every tick asks, so the division is of 32 bits wherever there is anything to divide.
+        let done = match u32::try_from(elapsed) {
+            _ if elapsed >= slew.saturating_mul(DRIFT.unsigned_abs()) => slew,
+            Ok(elapsed) => u64::from(elapsed / DRIFT as u32),
+            Err(_) => elapsed / DRIFT.unsigned_abs(),
+        };
+        if self.slew < 0 {
+            -(done as i64)
+        } else {
+            done as i64
+        }
     }
 
     /// Takes a SYNC that was sent at `sent` and arrived at `received`; `may_step` says that
