@@ -133,12 +133,14 @@ impl Motion {
             Some(_) => return self.base(tick).setpoint(),
             None => self.base(tick),
         };
+        // Each move is far inside the travel, so no sum can wrap, and looking for it would cost as
+        // much as a root.
         let sum = self.betas.iter().fold(base, |sum, beta| {
             let part = beta.contribution(tick);
             Contribution {
-                position: sum.position.saturating_add(part.position),
-                velocity: sum.velocity.saturating_add(part.velocity),
-                acceleration: sum.acceleration.saturating_add(part.acceleration),
+                position: sum.position.wrapping_add(part.position),
+                velocity: sum.velocity.wrapping_add(part.velocity),
+                acceleration: sum.acceleration.wrapping_add(part.acceleration),
             }
         });
         sum.setpoint()
@@ -195,7 +197,11 @@ impl Motion {
 
     /// Forgets what has ended by `tick`, whose place the base takes over exactly.
     pub fn fold(&mut self, tick: Tick) {
-        if self.phases.is_empty() && self.betas.is_empty() {
+        // Asked at every tick, and hardly ever so.
+        let ended = self.takeover.is_some_and(|takeover| takeover.tick <= tick)
+            || self.phases.last().is_some_and(|last| last.end() <= tick)
+            || self.betas.iter().any(|beta| beta.end() <= tick);
+        if !ended {
             return;
         }
         if self.takeover.is_some_and(|takeover| takeover.tick <= tick) {
