@@ -73,7 +73,7 @@ use segments::MOST_SEGMENTS;
 use smooth::Commanded;
 
 /// Beta moves that may be under way on one axis at once: the first, and the one that a retarget
-/// lays over it. Each costs the tick about 500 instructions.
+/// lays over it. Each costs the tick about 370 instructions.
 pub const OVERLAID_MOVES: usize = 2;
 
 /// One beta move more than may be under way: it waits for the others to end.
@@ -147,7 +147,7 @@ impl Motion {
     }
 
     fn base(&self, tick: Tick) -> Contribution {
-        match self.phases.iter().find(|phase| tick < phase.end()) {
+        match self.phases.iter().find(|phase| !phase.is_over(tick)) {
             Some(phase) if tick < phase.first() => Contribution::at_rest(phase.entry_position()),
             Some(phase) => phase.contribution(tick),
             None => Contribution::at_rest(self.rest),
@@ -199,7 +199,7 @@ impl Motion {
     pub fn fold(&mut self, tick: Tick) {
         // Asked at every tick, and hardly ever so.
         let ended = self.takeover.is_some_and(|takeover| takeover.tick <= tick)
-            || self.phases.last().is_some_and(|last| last.end() <= tick)
+            || self.phases.last().is_some_and(|last| last.is_over(tick))
             || self.betas.iter().any(|beta| beta.end() <= tick);
         if !ended {
             return;
@@ -208,7 +208,7 @@ impl Motion {
             self.takeover = None;
             self.betas.clear();
         }
-        if self.phases.last().is_some_and(|last| last.end() <= tick) {
+        if self.phases.last().is_some_and(|last| last.is_over(tick)) {
             self.phases.clear();
         }
         if self.takeover.is_some() {
