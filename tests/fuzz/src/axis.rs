@@ -2,6 +2,7 @@
 //! keep the limits and do not jump, and nothing moves that is not held and enabled.
 
 use canter_shared::axis::state::State;
+use canter_shared::axis::{FinishedPlan, Plan};
 use canter_shared::drive::simulated::Simulated;
 use canter_shared::drive::{Condition, Drive, DriveCommand, DriveReport};
 use canter_shared::limits::{DEFAULT_VALUES, LimitValues, Limits};
@@ -99,6 +100,8 @@ struct Bench {
     sequence: u8,
     beats: bool,
     plans: bool,
+    /// A plan that a slow planner has worked out and not brought back.
+    finished: Option<FinishedPlan>,
 }
 
 fn axis(index: u8) -> AxisId {
@@ -148,6 +151,7 @@ impl Bench {
             sequence: 0,
             beats: true,
             plans: true,
+            finished: None,
         }
     }
 
@@ -184,9 +188,12 @@ impl Bench {
             12 => self.claim(script.number(), script.number()),
             13 => self.beats = !self.beats,
             14 => self.plans = !self.plans,
-            _ => match script.number() {
+            _ => match script.number() % 5 {
                 0 => self.say(Address::All, Command::EmergencyStop),
-                _ => self.plan(),
+                1 => self.plan(),
+                2 => self.finished = self.node.take_plan(Ticks(0)).map(Plan::work),
+                3 => self.finished = self.node.take_plan(Ticks(3)).map(Plan::work),
+                _ => self.commit(),
             },
         }
     }
@@ -286,6 +293,14 @@ impl Bench {
     fn plan(&mut self) {
         self.node.plan();
         self.look();
+    }
+
+    /// What was taken some time ago.
+    fn commit(&mut self) {
+        if let Some(finished) = self.finished.take() {
+            self.node.commit(&finished);
+            self.look();
+        }
     }
 
     /// Whether what begins to move may: it is held, and enabled.
