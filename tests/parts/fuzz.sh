@@ -41,15 +41,20 @@ for target in "${targets[@]}"; do
     crashes=$CARGO_TARGET_DIR/fuzz/crashes/$target
     mkdir -p "$found" "$crashes"
     run=(cargo fuzz run "${fuzz[@]}" "$target")
-    if ! {
+    log=$CARGO_TARGET_DIR/fuzz/$target.log
+    if {
         "${run[@]}" "$committed" -- -runs=0 -artifact_prefix="$crashes/" &&
             "${run[@]}" "$found" "$committed" -- -max_total_time="$seconds" -max_len=512 -timeout=20 \
                 -print_final_stats=1 -artifact_prefix="$crashes/"
-    } 2>&1 | { grep -Ev '^(INFO: |#[0-9]+[[:space:]]+(NEW|REDUCE|pulse|RELOAD))' || true; }; then
+    } >"$log" 2>&1; then
+        tried=$(sed -n 's/^stat::number_of_executed_units: //p' "$log")
+        grep -E '^#[0-9]+[[:space:]]+DONE' "$log"
+        printf 'fuzz\t%s, inputs tried\t%s\tnone fails\n' "$target" "$tried" >>"$CANTER_MEASUREMENTS"
+    else
         failed+=("$target")
-        printf '\n%s fails. With the file in %s that was written last:\n    %s FILE\n' \
-            "$target" "$crashes" "RUSTC_BOOTSTRAP=1 ${run[*]}"
+        grep -Ev '^(INFO: |WARNING: Failed to find|#[0-9]+[[:space:]])' "$log" || true
+        printf '\n%s fails; again with the input that is named above:\n    %s FILE\n' \
+            "$target" "RUSTC_BOOTSTRAP=1 PATH=$tools/bin:\$PATH ${run[*]}"
     fi
-    printf 'fuzz\t%s, seconds without a crash\t%s\t>= %s\n' "$target" "$seconds" "$seconds" >>"$CANTER_MEASUREMENTS"
 done
 [ ${#failed[@]} -eq 0 ] || die "these targets failed: ${failed[*]}"
