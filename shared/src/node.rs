@@ -275,7 +275,8 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
     pub fn tick(&mut self, now: LocalTime) -> &[AxisSetpoint] {
         self.ticked = now;
         let bus_time = self.clock.bus_time(now);
-        let tick = self.next.unwrap_or(bus_time.next_tick());
+        // Only the first one is worked out: a division of 64 bits is not for every tick.
+        let tick = self.next.unwrap_or_else(|| bus_time.next_tick());
         self.next = Some(Tick(tick.0.saturating_add(1)));
         self.setpoints.clear();
         for Slot { axis, drive, .. } in &mut self.slots {
