@@ -47,9 +47,6 @@ const KNOWN_DRIFT: u32 = 20_000;
 /// Points of the history from which on the rate counts as known.
 const KNOWN_POINTS: usize = 8;
 
-/// Points of the history from which on its rate is worth keeping when it is begun anew.
-const RATE_POINTS: usize = 4;
-
 /// Up to this, in microseconds, a step at rest leaves out no tick and runs none twice, it only
 /// moves the next one: half a tick.
 const SMALL_STEP: i64 = 500;
@@ -262,12 +259,8 @@ impl BusClock {
         self.doubts = 0;
         if error.abs() > bound.min(FITTING << FINE) {
             // The clock was set by a SYNC that came late, has run alone, or the host's clock has
-            // moved. A rate that did not last for some windows is as wrong.
-            if self.history.len() < RATE_POINTS {
-                self.history.clear();
-            } else {
-                self.history.begin(self.rate);
-            }
+            // moved.
+            self.history.begin(self.rate);
         }
         self.history.add(best, self.rate);
         match self.history.line() {
