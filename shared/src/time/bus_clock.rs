@@ -60,6 +60,9 @@ const DOUBTS: u8 = 8;
 /// The longest time that rates are reckoned over, in microseconds, so that products fit: 12 days.
 const LONGEST: i64 = 1 << 40;
 
+/// The largest error that is told, in microseconds, so that it fits: 18 minutes.
+const FARTHEST: i64 = 1 << 30;
+
 /// One microsecond, as the clock reckons inside: in units of 2^-32.
 const FINE: u32 = 32;
 
@@ -157,11 +160,16 @@ impl BusClock {
     fn correction(&self, elapsed: i64) -> i64 {
         let bounded = elapsed.clamp(-LONGEST, LONGEST);
         // Below 2^40 * 2^22 and 2^28 * 2^20.
-        bounded * self.rate + bounded.clamp(0, self.slew_time) * self.slew + self.fraction
+        let slewing = if bounded >= self.slew_time {
+            self.slew_time
+        } else {
+            bounded.max(0)
+        };
+        bounded * self.rate + slewing * self.slew + self.fraction
     }
 
-    /// How far a SYNC is ahead of where the clock is or slowly goes to, in 2^-32 us; the nearest
-    /// that can be told where it is farther than [`STEP`].
+    /// How far a SYNC is ahead of where the clock is or slowly goes to, in 2^-32 us, by at most
+    /// [`FARTHEST`].
     fn error(&self, sample: Sample) -> i64 {
         let elapsed = sample.received.0.wrapping_sub(self.local.0) as i64;
         let bounded = elapsed.clamp(-LONGEST, LONGEST);
@@ -170,7 +178,7 @@ impl BusClock {
             .saturating_sub(elapsed)
             .saturating_sub(gained >> FINE);
         // What the shift cut off is subtracted here.
-        (error.clamp(-2 * STEP, 2 * STEP) << FINE) - (gained & ((1 << FINE) - 1))
+        (error.clamp(-FARTHEST, FARTHEST) << FINE) - (gained & ((1 << FINE) - 1))
     }
 
     /// Takes the SYNC of number `counter` that was sent at `sent` and arrived at `received`;
