@@ -56,7 +56,7 @@ static NODE: StaticCell<SharedNode> = StaticCell::new();
 /// Frames between the hardware and the receive task. The receive task is held off by a tick and by
 /// what it does about the frames before, together far under 1 ms, in which 1 Mbit/s brings at most
 /// 21 frames (47 us each).
-static FRAMES: Channel<CriticalSectionRawMutex, Received, 32> = Channel::new();
+static FRAMES: Channel<CriticalSectionRawMutex, Received, 24> = Channel::new();
 
 static BUS_OFF: Tally = Tally::new();
 static LOST: Tally = Tally::new();

@@ -2,4 +2,5 @@
 
 pub mod axis;
 pub mod decode;
+pub mod parameters;
 pub mod slcan;
