@@ -17,8 +17,8 @@
 //! `std`'s float functions are not the same bits everywhere, `libm`'s are, and so the host can
 //! predict every setpoint that a device will send.
 //!
-//! Arrows go one way: units, time <- limits <- motion <- parameter <- axis <- node; units <- wire,
-//! drive <- axis. `motion` and `parameter` never see `wire`. A test in `tests/` holds this.
+//! Arrows go one way: units, time <- limits <- motion <- parameter <- axis <- node; units <- wire <-
+//! parameter; units <- drive <- axis. `motion` never sees `wire`. A test in `tests/` holds this.
 #![no_std]
 #![forbid(unsafe_code)]
 

@@ -13,8 +13,8 @@ pub const ARROWS: &[(&str, &[&str])] = &[
     ("time", &["units"]),
     ("limits", &["units", "time"]),
     ("motion", &["units", "time", "limits"]),
-    ("parameter", &["units", "time", "limits", "motion"]),
     ("wire", &["units", "time"]),
+    ("parameter", &["units", "time", "limits", "motion", "wire"]),
     ("drive", &["units", "time"]),
     (
         "axis",

@@ -16,6 +16,7 @@ mod slot;
 
 use super::table::Parameter;
 use super::values::{RAW_BYTES, Values, from_bytes, to_bytes};
+use crate::wire::id::AxisId;
 use core::fmt;
 use embedded_storage::nor_flash::NorFlash;
 use heapless::Vec;
@@ -235,7 +236,7 @@ fn read_axes<const AXES: usize>(mut bytes: impl Iterator<Item = u8>) -> Option<I
     let mut image = Image::<AXES>::new();
     while let Some(axis) = bytes.next() {
         let pairs = bytes.next()?;
-        if axis == 0 || image.iter().any(|other| other.axis == axis) {
+        if AxisId::new(axis).is_none() || image.iter().any(|other| other.axis == axis) {
             return None;
         }
         let mut values = Values::defaults(axis);
