@@ -217,6 +217,10 @@ impl<B: Bus> Client<B> {
                 writes.push((axis, parameter, raw, values.get(parameter)));
             }
         }
+        let mut axes: Vec<_> = writes.iter().map(|(axis, ..)| *axis).collect();
+        axes.dedup();
+        let sequence = self.next_sequence();
+        self.control(Action::Configure, sequence, &axes)?;
         for (place, (axis, parameter, raw, _)) in writes.iter().enumerate() {
             if let Err(error) = self.write_one(*axis, *parameter, *raw) {
                 for (axis, parameter, _, before) in writes[..place].iter().rev() {

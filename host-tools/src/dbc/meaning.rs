@@ -18,7 +18,7 @@ pub(super) fn of(function: Function) -> &'static str {
         Function::Knot => "Where to be next in a stream, and how fast",
         Function::Stop => "Controlled stop; from anybody",
         Function::HostHeartbeat => "The session is alive",
-        Function::Control => "Hold, release, enable, disable, clear, save, restore",
+        Function::Control => "Hold, release, enable, disable, clear, configure, save, restore",
         Function::TrapezoidShape => "The ramps of the next trapezoid",
         Function::MoveBeta => "Move along a beta S-curve, now",
         Function::MoveTrapezoid => "Move along a trapezoid, now",
@@ -138,7 +138,8 @@ pub(super) fn detail(reason: Reason) -> &'static str {
         | Reason::SaveFailed
         | Reason::NotStreaming
         | Reason::TooStrong
-        | Reason::CannotStop => "",
+        | Reason::CannotStop
+        | Reason::Locked => "",
     }
 }
 

@@ -323,8 +323,11 @@ impl Axis {
                 State::QuickStopActive => return Err((Reason::Moving, 0)),
                 State::NotReadyToSwitchOn | State::SwitchOnDisabled => {
                     self.request = Some(Request::Enable);
+                    self.commander.configure(false);
                 }
-                State::ReadyToSwitchOn | State::SwitchedOn | State::OperationEnabled => {}
+                State::ReadyToSwitchOn | State::SwitchedOn | State::OperationEnabled => {
+                    self.commander.configure(false);
+                }
             },
             Action::Disable => match self.state {
                 State::OperationEnabled => {
@@ -352,6 +355,7 @@ impl Axis {
             // That one has been taken care of: its answer comes later.
             Action::Save => {}
             Action::Restore => self.restore_parameters()?,
+            Action::Configure => self.commander.configure(true),
         }
         Ok(0)
     }

@@ -12,6 +12,8 @@ pub(super) struct Commander {
     session: Option<Session>,
     heard: Tick,
     sequence: u8,
+    /// Whether it may change parameters.
+    configures: bool,
 }
 
 impl Commander {
@@ -38,6 +40,7 @@ impl Commander {
                 self.session = Some(session);
                 self.heard = now;
                 self.sequence = sequence;
+                self.configures = false;
                 Ok(true)
             }
         }
@@ -45,6 +48,16 @@ impl Commander {
 
     pub(super) fn release(&mut self) {
         self.session = None;
+    }
+
+    /// Whether the session may change parameters. A write has no room for the session that sends it,
+    /// so a frame that does name it must have come before.
+    pub(super) fn configures(&self) -> bool {
+        self.session.is_some() && self.configures
+    }
+
+    pub(super) fn configure(&mut self, may: bool) {
+        self.configures = may;
     }
 
     /// Takes a heartbeat that arrived at `then`, which may be some ticks ago: a node that is busy

@@ -62,6 +62,9 @@ impl Axis {
     pub(super) fn write_parameter(&mut self, number: u8, raw: i64) -> Result<u32, Refusal> {
         let parameter = Parameter::try_from(number)
             .map_err(|_| (Reason::UnknownParameter, u32::from(number)))?;
+        if !self.commander.configures() {
+            return Err((Reason::Locked, 0));
+        }
         if parameter.entry().change == Change::Disabled {
             self.disabled_now()?;
         }

@@ -32,11 +32,13 @@ pub enum Action {
     Save = 6,
     /// Set the axis's parameters to their defaults, which is not saved yet.
     Restore = 7,
+    /// Let the session change parameters, until it enables the axis or gives it back.
+    Configure = 8,
 }
 
 impl Action {
     /// Every action, in the order of their codes.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Hold,
         Self::Release,
         Self::Enable,
@@ -44,6 +46,7 @@ impl Action {
         Self::Clear,
         Self::Save,
         Self::Restore,
+        Self::Configure,
     ];
 }
 

@@ -57,11 +57,13 @@ pub enum Reason {
     CannotStop = 23,
     /// Another axis of the node has this id, or no axis has the old one. Detail: that id.
     IdTaken = 24,
+    /// The parameters are locked.
+    Locked = 25,
 }
 
 impl Reason {
     /// Every reason, in the order of their codes.
-    pub const ALL: [Self; 25] = [
+    pub const ALL: [Self; 26] = [
         Self::Accepted,
         Self::NotHeld,
         Self::HeldByOther,
@@ -87,6 +89,7 @@ impl Reason {
         Self::TooStrong,
         Self::CannotStop,
         Self::IdTaken,
+        Self::Locked,
     ];
 
     /// What it means, for a person; a host adds the axis and the detail.
@@ -117,6 +120,7 @@ impl Reason {
             Self::TooStrong => "the curve to the knot would break the acceleration limit",
             Self::CannotStop => "from the knot, no stop ends inside the travel",
             Self::IdTaken => "the node has no axis of the old id, or one of the new id",
+            Self::Locked => "the parameters are locked",
         }
     }
 
@@ -150,6 +154,7 @@ impl Reason {
             Self::TooStrong => "change the velocity more gently",
             Self::CannotStop => "slow down earlier",
             Self::IdTaken => "ask with scan which ids the node has",
+            Self::Locked => "send configure first, and again after enable",
         }
     }
 }

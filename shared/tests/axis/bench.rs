@@ -288,6 +288,7 @@ impl Bench {
     /// Sets a parameter to a raw value under the next number.
     #[track_caller]
     pub fn set(&mut self, parameter: Parameter, raw: i64) {
+        assert_eq!(self.control(Action::Configure), Outcome::Accepted);
         let sequence = self.next();
         let write = Command::ParameterWrite {
             parameter: parameter.into(),

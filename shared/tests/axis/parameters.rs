@@ -13,6 +13,8 @@ use canter_shared::wire::reason::Reason;
 use canter_shared::wire::report::Report;
 
 fn write(bench: &mut Bench, parameter: Parameter, value: i64) -> Outcome {
+    let _: Outcome = bench.control(Action::Configure);
+    bench.reports.clear();
     let sequence = bench.next();
     bench.send(Command::ParameterWrite {
         parameter: parameter.into(),
@@ -295,6 +297,7 @@ fn restoring_gives_the_defaults_but_not_while_enabled() {
 #[test]
 fn a_repeated_write_gets_the_same_answer() {
     let mut bench = Bench::enabled(Limits::default(), 0.0);
+    assert_eq!(bench.control(Action::Configure), Outcome::Accepted);
     let sequence = bench.next();
     let word = Command::ParameterWrite {
         parameter: Parameter::JerkLimit.into(),
@@ -327,4 +330,33 @@ fn lost_parameters_are_a_fault_that_can_be_cleared() {
     assert_eq!(bench.control(Action::Clear), Outcome::Accepted);
     bench.run(5);
     assert_eq!(bench.control(Action::Enable), Outcome::Accepted);
+}
+
+/// A write names no session, so a stray one must not change what an axis may do.
+#[test]
+fn nothing_is_written_unless_the_session_has_said_so() {
+    let mut bench = Bench::enabled(Limits::default(), 0.0);
+    let before = *bench.axis.values();
+    let write = |bench: &mut Bench| {
+        let sequence = bench.next();
+        bench.send(Command::ParameterWrite {
+            parameter: Parameter::VelocityLimit.into(),
+            value: 5_000_000_000,
+            sequence,
+        })
+    };
+    let locked = Outcome::Rejected(Reason::Locked);
+    assert_eq!(write(&mut bench), locked);
+    assert_eq!(bench.axis.values(), &before);
+    // Until the axis is enabled, given back or held anew.
+    for again in [Action::Enable, Action::Release] {
+        assert_eq!(bench.control(Action::Hold), Outcome::Accepted);
+        assert_eq!(bench.control(Action::Configure), Outcome::Accepted);
+        assert_eq!(write(&mut bench), Outcome::Accepted);
+        assert_eq!(bench.control(again), Outcome::Accepted);
+        if again == Action::Release {
+            assert_eq!(bench.control(Action::Hold), Outcome::Accepted);
+        }
+        assert_eq!(write(&mut bench), locked);
+    }
 }

@@ -402,6 +402,10 @@ impl Run {
             }
             Step::Control(action, session, ahead) => self.control(action, session, ahead),
             Step::Write(parameter, place, ahead) => {
+                // Most writes come from who may write.
+                if ahead != 0 {
+                    self.control(Action::Configure, SESSION, 1);
+                }
                 let sequence = self.number(ahead);
                 let entry = parameter.entry();
                 let length = (entry.maximum - entry.minimum) as f64;
@@ -449,6 +453,7 @@ impl Run {
             }
             Step::Trouble(fault) => trouble(&mut self.bench, fault),
             Step::React(parameter, reaction) => {
+                self.control(Action::Configure, SESSION, 1);
                 let sequence = self.number(1);
                 self.send(Command::ParameterWrite {
                     parameter: parameter.into(),

@@ -18,6 +18,8 @@ fn held() -> Three {
 }
 
 fn write(three: &mut Three, id: u8, value: i64) {
+    three.control(id, Action::Configure);
+    three.told();
     three.sequence += 1;
     let command = Command::ParameterWrite {
         parameter: Parameter::JerkLimit.into(),

@@ -35,14 +35,15 @@ fn save(host: &mut Host, sequence: u8, raw: i64) {
         session: SESSION,
     };
     host.say(axis().into(), control(Action::Hold, sequence));
+    host.say(axis().into(), control(Action::Configure, sequence + 1));
     let write = Command::ParameterWrite {
         parameter: Parameter::VelocityLimit.into(),
         value: raw,
-        sequence: sequence + 1,
+        sequence: sequence + 2,
     };
     host.say(axis().into(), write);
     host.wait(5_000);
-    host.say(axis().into(), control(Action::Save, sequence + 2));
+    host.say(axis().into(), control(Action::Save, sequence + 3));
     host.wait(100_000);
 }
 
@@ -51,11 +52,11 @@ fn what_is_saved_is_there_after_a_reset_and_what_is_not_is_gone() {
     let mut host = Host::seeded(1);
     host.wait(100_000);
     save(&mut host, 10, VALUES[0]);
-    assert!(accepted(&host, 12));
+    assert!(accepted(&host, 13));
     let write = Command::ParameterWrite {
         parameter: Parameter::VelocityLimit.into(),
         value: VALUES[1],
-        sequence: 13,
+        sequence: 14,
     };
     host.say(axis().into(), write);
     host.wait(5_000);
@@ -78,7 +79,7 @@ fn a_save_that_is_cut_short_leaves_the_old_or_the_new() {
             host.wait(50_000);
             let mut was = value(&host);
             for (saved, raw) in (0..before).zip(VALUES) {
-                save(&mut host, 10 + 3 * saved, raw);
+                save(&mut host, 10 + 4 * saved, raw);
                 was = raw;
             }
             host.bus.disturb(Disturbance::CutPowerWhileSaving {
@@ -88,7 +89,7 @@ fn a_save_that_is_cut_short_leaves_the_old_or_the_new() {
             });
             let raw = VALUES[2];
             save(&mut host, 50, raw);
-            let cut = !accepted(&host, 52);
+            let cut = !accepted(&host, 53);
             let now = value(&host);
             assert!(now == was || now == raw, "after {after}: {now}");
             let fault = host.bus.axis(NODE).and_then(|axis| axis.fault());
