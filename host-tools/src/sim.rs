@@ -20,9 +20,13 @@
 mod bits;
 mod clock;
 mod device;
+mod disturbance;
+mod fault_confinement;
 mod medium;
 mod observer;
+mod plant;
 mod random;
+mod station;
 #[cfg(test)]
 mod tests;
 
@@ -35,10 +39,14 @@ use crate::bus::{Bitrate, Bus, BusError, Event, Received};
 use crate::robot::{Robot, RobotAxis};
 pub use clock::TrueTime;
 use device::Device;
-pub use medium::{Load, Sender, Transmission};
+pub use disturbance::{Babble, Disturbance, DriveTrouble, Rates, Recurring};
+pub use fault_confinement::{ErrorCounters, ErrorState};
+pub use medium::{Load, Transmission};
 use medium::{Medium, arbitrate};
-pub use observer::{Observer, Record};
+pub use observer::{AxisTick, Delivery, Destroyed, Destruction, Observer, Record};
+pub use plant::PlantState;
 use random::SplitMix64;
+pub use station::Station;
 
 /// Frames that the host can have waiting: those of a Linux CAN interface (`txqueuelen`), so that
 /// a client meets its first full queue here and not on the robot.
@@ -160,12 +168,12 @@ impl SimulatedBus {
             }
         }
         if self.medium.is_free(self.now) {
-            let host = self.outgoing.front().map(|frame| (Sender::Host, frame));
+            let host = self.outgoing.front().map(|frame| (Station::Host, frame));
             let nodes = self
                 .devices
                 .iter()
                 .enumerate()
-                .filter_map(|(at, device)| Some((Sender::Node(at), device.outgoing()?)));
+                .filter_map(|(at, device)| Some((Station::Node(at), device.outgoing()?)));
             let waiting = host.into_iter().chain(nodes);
             if let Some((sender, frame)) = arbitrate(waiting, &mut self.random) {
                 self.medium.begin(self.now, sender, frame);
@@ -176,14 +184,14 @@ impl SimulatedBus {
     fn deliver(&mut self, ended: &Transmission) {
         let (end, frame) = (ended.end, ended.frame);
         for (at, device) in self.devices.iter_mut().enumerate() {
-            if ended.sender == Sender::Node(at) {
+            if ended.sender == Station::Node(at) {
                 device.sent(end);
             } else {
                 let delay = self.random.up_to(self.receive_jitter);
                 device.deliver(end.after(delay), frame);
             }
         }
-        if ended.sender == Sender::Host {
+        if ended.sender == Station::Host {
             self.outgoing.pop_front();
         } else {
             let time = end.after(self.random.up_to(self.receive_jitter));

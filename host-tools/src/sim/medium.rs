@@ -2,19 +2,11 @@
 
 use canter_shared::wire::frame::Frame;
 
+use super::Station;
 use super::bits;
 use super::clock::TrueTime;
 use super::random::SplitMix64;
 use crate::bus::Bitrate;
-
-/// Who sends a frame.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Sender {
-    /// The host.
-    Host,
-    /// The node of this number, counted from 0 in the order of the configuration.
-    Node(usize),
-}
 
 /// A frame that was on the bus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,7 +18,7 @@ pub struct Transmission {
     /// Its length in bits: stuff bits included, the space to the next frame not.
     pub bits: u32,
     /// Who sent it.
-    pub sender: Sender,
+    pub sender: Station,
     /// What was sent.
     pub frame: Frame,
 }
@@ -92,7 +84,7 @@ impl Medium {
         self.current.is_none() && self.free <= now
     }
 
-    pub(super) fn begin(&mut self, now: TrueTime, sender: Sender, frame: Frame) {
+    pub(super) fn begin(&mut self, now: TrueTime, sender: Station, frame: Frame) {
         let bits = bits::length(&frame);
         let end = now.after(u64::from(bits) * self.bit);
         self.free = end.after(u64::from(bits::INTERFRAME) * self.bit);
@@ -124,10 +116,10 @@ impl Medium {
 /// has, real controllers would destroy each other's frames unless they were equal to the last bit;
 /// here the seed says who is first.
 pub(super) fn arbitrate<'a>(
-    waiting: impl Iterator<Item = (Sender, &'a Frame)>,
+    waiting: impl Iterator<Item = (Station, &'a Frame)>,
     random: &mut SplitMix64,
-) -> Option<(Sender, Frame)> {
-    let mut first: Option<(Sender, &Frame)> = None;
+) -> Option<(Station, Frame)> {
+    let mut first: Option<(Station, &Frame)> = None;
     let mut equal = 0;
     for (sender, frame) in waiting {
         let wins = match first {
@@ -163,9 +155,9 @@ mod tests {
         let waiting = frames
             .iter()
             .enumerate()
-            .map(|(at, frame)| (Sender::Node(at), frame));
+            .map(|(at, frame)| (Station::Node(at), frame));
         let winner = arbitrate(waiting, &mut SplitMix64::new(0));
-        assert_eq!(winner, Some((Sender::Node(2), frames[2])));
+        assert_eq!(winner, Some((Station::Node(2), frames[2])));
         assert_eq!(arbitrate([].into_iter(), &mut SplitMix64::new(0)), None);
     }
 
@@ -175,8 +167,8 @@ mod tests {
         let mut random = SplitMix64::new(3);
         let mut won = [0; 3];
         for _ in 0..3_000 {
-            let waiting = (0..3).map(|at| (Sender::Node(at), &frame));
-            if let Some((Sender::Node(at), _)) = arbitrate(waiting, &mut random) {
+            let waiting = (0..3).map(|at| (Station::Node(at), &frame));
+            if let Some((Station::Node(at), _)) = arbitrate(waiting, &mut random) {
                 won[at] += 1;
             }
         }
