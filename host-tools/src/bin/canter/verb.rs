@@ -7,6 +7,7 @@ mod node;
 mod plan;
 mod power;
 mod scan;
+mod soak;
 mod status;
 mod stop;
 
@@ -31,6 +32,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         Verb::Move(request) => r#move::run(&context, &request),
         Verb::Plan(request) => plan::run(&context, &request),
         Verb::Compare(request) => compare::run(&context, &request),
+        Verb::Soak(request) => soak::run(&context, &request),
     }
 }
 

@@ -1,0 +1,249 @@
+//! Who holds an axis and what it was asked for, from the frames that it got and nothing else.
+//!
+//! Where frames alone do not tell (whether a release came while the axis was still moving) the
+//! axis has the benefit of the doubt until its next tick shows what became of it.
+
+use canter_shared::time::Ticks;
+use canter_shared::wire::command::{Action, Command, Session};
+use canter_shared::wire::id::AxisId;
+
+use super::{Finding, Glance, Verdict};
+use crate::sim::TrueTime;
+use crate::soak::invariant::Invariant;
+
+/// A number is new when it is ahead of the last one by no more than this.
+const AHEAD: u8 = 127;
+
+/// Nanoseconds by which an axis's idea of silence may differ from the truth: whole ticks at both
+/// ends, and the tick that it takes to notice.
+const ROUNDING: u64 = 3_000_000;
+
+/// A node's clock differs from true time by no more than one part of so many: its crystal, what it
+/// has learned of it, and what it makes up for.
+const DRIFT: u64 = 1_000;
+
+/// What came between two ticks.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Asked {
+    pub(super) clear: bool,
+    pub(super) emergency_stop: bool,
+    pub(super) motion: bool,
+    pub(super) stop: bool,
+}
+
+/// What an axis must believe.
+#[derive(Debug)]
+pub(super) struct Believed {
+    axis: AxisId,
+    host_timeout: u64,
+    holder: Option<Session>,
+    /// The number of the holder's last command; none where doubt has made it unknown.
+    number: Option<u8>,
+    /// When the holder was last heard.
+    heard: TrueTime,
+    /// A release may have come too early, and the session may still hold the axis.
+    doubt: bool,
+    held_in_doubt: bool,
+    asked: Asked,
+    /// Its holder has asked for it to be enabled.
+    pub(super) enable: bool,
+    /// Its holder has commanded a motion that may not be over yet.
+    pub(super) motion: bool,
+}
+
+impl Believed {
+    pub(super) fn new(axis: AxisId, host_timeout: Ticks) -> Self {
+        Self {
+            axis,
+            host_timeout: u64::from(host_timeout.0) * 1_000_000,
+            holder: None,
+            number: None,
+            heard: TrueTime(0),
+            doubt: false,
+            held_in_doubt: false,
+            asked: Asked::default(),
+            enable: false,
+            motion: false,
+        }
+    }
+
+    pub(super) fn asked(&self) -> Asked {
+        self.asked
+    }
+
+    pub(super) fn take_asked(&mut self) -> Asked {
+        std::mem::take(&mut self.asked)
+    }
+
+    /// Whether a motion was commanded since the last tick.
+    pub(super) fn was_asked_to_move(&self) -> bool {
+        self.asked.motion
+    }
+
+    /// Nanoseconds for which the holder has been silent.
+    pub(super) fn silence(&self, now: TrueTime) -> u64 {
+        now.0.saturating_sub(self.heard.0)
+    }
+
+    /// The longest silence that an axis can overlook.
+    pub(super) fn longest_silence(&self) -> u64 {
+        self.host_timeout + self.host_timeout / DRIFT + ROUNDING
+    }
+
+    /// Takes a command that the axis got; says whether it comes from who may command it, under a
+    /// new number where it needs one.
+    pub(super) fn take(&mut self, now: TrueTime, command: &Command, last: Option<&Glance>) -> bool {
+        let admitted = self.admit(now, command);
+        if !admitted {
+            return false;
+        }
+        match command {
+            Command::Move { staged: false, .. }
+            | Command::Trigger { .. }
+            | Command::StreamBegin { .. }
+            | Command::Knot { .. } => {
+                self.asked.motion = true;
+                self.motion = true;
+            }
+            Command::Control { action, .. } => self.control(*action, last),
+            Command::EmergencyStop => self.asked.emergency_stop = true,
+            Command::Stop { .. } => self.asked.stop = true,
+            _ => {}
+        }
+        true
+    }
+
+    fn control(&mut self, action: Action, last: Option<&Glance>) {
+        match action {
+            Action::Enable => self.enable = true,
+            Action::Disable => self.enable = false,
+            Action::Clear => self.asked.clear = true,
+            Action::Release => {
+                let moves = self.asked.motion || last.is_some_and(|last| last.moving);
+                if moves {
+                    self.doubt = true;
+                } else {
+                    self.holder = None;
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn admit(&mut self, now: TrueTime, command: &Command) -> bool {
+        match *command {
+            Command::EmergencyStop | Command::Stop { .. } | Command::ParameterRead { .. } => true,
+            Command::Sync { .. } | Command::IdentityRequest | Command::Assign(_) => false,
+            Command::HostHeartbeat { session } => {
+                if self.holder == Some(session) {
+                    self.heard = now;
+                }
+                false
+            }
+            Command::Trigger { session, .. } => self.holder == Some(session) || self.doubt,
+            Command::Knot { .. } => self.holder.is_some() || self.doubt,
+            Command::Control {
+                action: Action::Hold,
+                session,
+                sequence,
+            } => self.hold(now, session, sequence),
+            Command::Control {
+                session, sequence, ..
+            } => (self.holder == Some(session) || self.doubt) && self.advance(sequence),
+            Command::TrapezoidShape { sequence, .. }
+            | Command::RampLimits { sequence, .. }
+            | Command::PeakLimits { sequence, .. }
+            | Command::StreamBegin { sequence, .. }
+            | Command::ParameterWrite { sequence, .. }
+            | Command::Move { sequence, .. } => {
+                (self.holder.is_some() || self.doubt) && self.advance(sequence)
+            }
+        }
+    }
+
+    fn hold(&mut self, now: TrueTime, session: Session, sequence: u8) -> bool {
+        if session == 0 {
+            return false;
+        }
+        match self.holder {
+            Some(holder) if holder == session && !self.doubt => {
+                // Accepted even where the number is not ahead; it changes nothing then.
+                self.advance(sequence);
+                true
+            }
+            Some(_) if !self.doubt => false,
+            _ => {
+                self.held_in_doubt |= self.doubt;
+                if !self.doubt {
+                    self.holder = Some(session);
+                }
+                self.number = Some(sequence);
+                self.heard = now;
+                true
+            }
+        }
+    }
+
+    fn advance(&mut self, sequence: u8) -> bool {
+        let Some(number) = self.number else {
+            return true;
+        };
+        let ahead = (1..=AHEAD).contains(&sequence.wrapping_sub(number));
+        if ahead {
+            self.number = Some(sequence);
+        }
+        ahead || self.doubt
+    }
+
+    /// What the axis says of its holder needs a reason.
+    pub(super) fn tick(&mut self, now: &Glance) -> Verdict {
+        if self.doubt {
+            self.doubt = false;
+            if self.held_in_doubt {
+                self.number = None;
+            }
+            self.held_in_doubt = false;
+            self.holder = now.session;
+        }
+        let silence = self.silence(now.time);
+        match (self.holder, now.session) {
+            (Some(holder), Some(session)) if holder == session => {
+                if silence > self.longest_silence() {
+                    return Err(Finding(
+                        Invariant::Commander,
+                        format!(
+                            "axis {} is still held by session {session:04X}, which has been silent for {:.1} ms of {:.1} ms",
+                            self.axis,
+                            silence as f64 / 1e6,
+                            self.host_timeout as f64 / 1e6
+                        ),
+                    ));
+                }
+                Ok(())
+            }
+            (Some(_), None)
+                if silence + ROUNDING + self.host_timeout / DRIFT >= self.host_timeout =>
+            {
+                self.holder = None;
+                self.enable = false;
+                Ok(())
+            }
+            (None, None) => Ok(()),
+            (believed, claimed) => {
+                let word = |session: Option<Session>| match session {
+                    Some(session) => format!("session {session:04X}"),
+                    None => "nobody".to_owned(),
+                };
+                Err(Finding(
+                    Invariant::Commander,
+                    format!(
+                        "axis {} says that {} holds it; by the frames that it got {} does",
+                        self.axis,
+                        word(claimed),
+                        word(believed)
+                    ),
+                ))
+            }
+        }
+    }
+}
