@@ -13,6 +13,26 @@ const CRC_BITS: u32 = 15;
 /// x^15 + x^14 + x^10 + x^8 + x^7 + x^4 + x^3 + 1.
 const CRC_POLYNOMIAL: u16 = 0x4599;
 
+const CRC_MASK: u16 = (1 << CRC_BITS) - 1;
+
+/// What each byte makes of a CRC of zero.
+const CRC_TABLE: [u16; 256] = {
+    let mut table = [0; 256];
+    let mut byte = 0;
+    while byte < table.len() {
+        let mut crc = (byte as u16) << (CRC_BITS - 8);
+        let mut bit = 0;
+        while bit < 8 {
+            let feedback = crc >> (CRC_BITS - 1) & 1;
+            crc = (crc << 1) & CRC_MASK ^ (feedback * CRC_POLYNOMIAL);
+            bit += 1;
+        }
+        table[byte] = crc;
+        byte += 1;
+    }
+    table
+};
+
 /// Equal bits after which a complementary one is put in.
 const RUN: u32 = 5;
 
@@ -29,21 +49,28 @@ impl Bits {
         self.count += count;
     }
 
+    /// The first `count` of them.
+    fn head(self, count: u32) -> Self {
+        Self {
+            word: self.word >> self.count.saturating_sub(count),
+            count: count.min(self.count),
+        }
+    }
+
     fn iter(self) -> impl Iterator<Item = bool> {
         (0..self.count)
             .rev()
             .map(move |place| (self.word >> place) & 1 == 1)
     }
 
+    /// Bit after bit from the first on; zeros before it, which make whole bytes of them, change
+    /// nothing.
     fn crc(self) -> u16 {
-        self.iter().fold(0, |crc, bit| {
-            let feedback = bit != ((crc >> (CRC_BITS - 1)) & 1 == 1);
-            let shifted = (crc << 1) & ((1 << CRC_BITS) - 1);
-            if feedback {
-                shifted ^ CRC_POLYNOMIAL
-            } else {
-                shifted
-            }
+        let bytes = self.word.to_be_bytes();
+        let first = bytes.len() - self.count.div_ceil(8) as usize;
+        bytes[first..].iter().fold(0, |crc, byte| {
+            let place = (crc >> (CRC_BITS - 8)) as u8 ^ byte;
+            (crc << 8) & CRC_MASK ^ CRC_TABLE[usize::from(place)]
         })
     }
 
@@ -65,8 +92,8 @@ impl Bits {
     }
 }
 
-/// Bits from the start of the frame to the end of its end-of-frame field, stuff bits included.
-pub(super) fn length(frame: &Frame) -> u32 {
+/// What is stuffed of a frame: its start, identifier, length, data and CRC.
+fn stuffed_part(frame: &Frame) -> Bits {
     let mut bits = Bits { word: 0, count: 0 };
     // Start of frame, identifier; data frame (RTR), base format (IDE) and r0 are dominant.
     bits.push(0, 1);
@@ -77,7 +104,33 @@ pub(super) fn length(frame: &Frame) -> u32 {
         bits.push(u16::from(*byte), 8);
     }
     bits.push(bits.crc(), CRC_BITS);
+    bits
+}
+
+/// Bits from the start of the frame to the end of its end-of-frame field, stuff bits included.
+pub(super) fn length(frame: &Frame) -> u32 {
+    let bits = stuffed_part(frame);
     bits.count + bits.stuffed() + TAIL
+}
+
+/// The first bit, counted from 0 and without stuff bits, at which two frames differ.
+pub(super) fn first_difference(one: &Frame, other: &Frame) -> Option<u32> {
+    let (one, other) = (stuffed_part(one), stuffed_part(other));
+    // Frames of different length differ in the bits that tell it, long before the shorter ends.
+    let common = one.count.min(other.count);
+    let differences = one.head(common).word ^ other.head(common).word;
+    (differences != 0).then(|| common - 1 - differences.ilog2())
+}
+
+/// Whether the bit of that number is recessive.
+pub(super) fn is_recessive(frame: &Frame, bit: u32) -> bool {
+    let bits = stuffed_part(frame);
+    bit < bits.count && (bits.word >> (bits.count - 1 - bit)) & 1 == 1
+}
+
+/// How many bits have been on the wire, stuff bits included, once the bit of that number is over.
+pub(super) fn on_wire(frame: &Frame, bit: u32) -> u32 {
+    bit + stuffed_part(frame).head(bit).stuffed() + 1
 }
 
 #[cfg(test)]

@@ -18,6 +18,9 @@ const WORST: u32 = 10_000;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct TrueTime(pub u64);
 
+/// After all that happens.
+pub(super) const NEVER: TrueTime = TrueTime(u64::MAX);
+
 impl TrueTime {
     /// As the host sees it: whole microseconds that have passed.
     pub const fn bus_time(self) -> BusTime {
@@ -35,9 +38,11 @@ impl TrueTime {
 }
 
 /// A node's own clock: it started before the host's and runs a little fast or slow.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Crystal {
-    /// What it shows at true time zero, in nanoseconds.
+    /// True time from which on it counts.
+    origin: TrueTime,
+    /// What it shows then, in nanoseconds.
     offset: u64,
     /// How much it runs fast, in parts per 10^9.
     error: i64,
@@ -48,9 +53,21 @@ impl Crystal {
     pub(super) fn new(random: &mut SplitMix64, spread: u32) -> Self {
         let spread = u64::from(spread.min(WORST)) * 1_000;
         Self {
+            origin: TrueTime::default(),
             offset: random.up_to(EARLIEST_START),
             error: random.up_to(2 * spread) as i64 - spread as i64,
         }
+    }
+
+    /// Begins at zero, after a reset at `now`.
+    pub(super) fn restart(&mut self, now: TrueTime) {
+        self.origin = now;
+        self.offset = 0;
+    }
+
+    /// A number that no other node has.
+    pub(super) fn seed(&self) -> u64 {
+        self.offset
     }
 
     pub(super) fn local(&self, time: TrueTime) -> LocalTime {
@@ -59,15 +76,16 @@ impl Crystal {
 
     fn shown(&self, time: TrueTime) -> u64 {
         // Seconds and rest apart: their products fit in 64 bits for as long as the time does.
-        let (seconds, rest) = (time.0 / PER_SECOND, time.0 % PER_SECOND);
+        let time = time.0.saturating_sub(self.origin.0);
+        let (seconds, rest) = (time / PER_SECOND, time % PER_SECOND);
         let gained = (seconds as i64).saturating_mul(self.error)
             + (rest as i64 * self.error).div_euclid(PER_SECOND as i64);
         self.offset
-            .saturating_add(time.0)
+            .saturating_add(time)
             .saturating_add_signed(gained)
     }
 
-    /// The least true time at which the clock shows `local`; zero where it always has.
+    /// The least true time at which the clock shows `local`; its beginning where it always has.
     pub(super) fn when(&self, local: LocalTime) -> TrueTime {
         let wanted = local.0.saturating_mul(PER_MICROSECOND);
         let since_start = wanted.saturating_sub(self.offset);
@@ -76,7 +94,8 @@ impl Crystal {
         // Rounding makes the estimate wrong by a nanosecond or two.
         let mut time = u64::try_from(estimate)
             .unwrap_or(u64::MAX)
-            .saturating_sub(2);
+            .saturating_sub(2)
+            .saturating_add(self.origin.0);
         while self.shown(TrueTime(time)) < wanted && time < u64::MAX {
             time += 1;
         }
@@ -92,6 +111,7 @@ mod tests {
     fn the_moment_at_which_a_clock_shows_a_time_is_the_first() {
         for error in [-100_000, -1, 0, 1, 77_777, 100_000] {
             let crystal = Crystal {
+                origin: TrueTime(98_765),
                 offset: 123_456_789,
                 error,
             };
@@ -99,9 +119,9 @@ mod tests {
                 let local = LocalTime(123_457 + step * 777_777_777);
                 let time = crystal.when(local);
                 assert!(crystal.local(time) >= local);
-                assert!(time.0 == 0 || crystal.local(TrueTime(time.0 - 1)) < local);
+                assert!(time == crystal.origin || crystal.local(TrueTime(time.0 - 1)) < local);
             }
-            assert_eq!(crystal.when(LocalTime(0)), TrueTime(0));
+            assert_eq!(crystal.when(LocalTime(0)), crystal.origin);
         }
     }
 }

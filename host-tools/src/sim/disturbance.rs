@@ -10,7 +10,11 @@ use std::time::Duration;
 
 use canter_shared::wire::frame::Frame;
 
-use super::Station;
+use super::chance::nanoseconds;
+use super::clock::TrueTime;
+use super::controller::Controller;
+use super::{SimulatedBus, Station};
+use canter_shared::time::BusTime;
 
 /// One thing that goes wrong.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -159,4 +163,147 @@ pub struct Recurring {
     pub every: Duration,
     /// The longest time that it lasts; each lasts anything from 0 to this.
     pub longest: Duration,
+}
+
+impl SimulatedBus {
+    /// Has something go wrong now.
+    pub fn disturb(&mut self, disturbance: Disturbance) {
+        if let Some(observer) = &mut self.observer {
+            observer.disturbance(self.now, &disturbance);
+        }
+        self.apply(disturbance);
+    }
+
+    /// Has something go wrong at `time`, or now where that has passed; of several at one time, the
+    /// one that was ordered first is first.
+    pub fn disturb_at(&mut self, time: BusTime, disturbance: Disturbance) {
+        let time = TrueTime::of(time);
+        let place = self.ordered.partition_point(|(other, _)| *other <= time);
+        self.ordered.insert(place, (time, disturbance));
+    }
+
+    /// Has a strange device send `frame`, after those that it has still to send.
+    pub fn forge(&mut self, frame: &Frame) {
+        self.stranger.forged.push_back(*frame);
+        self.refill_stranger();
+    }
+
+    /// A new process on the host, after [`Disturbance::KillHost`]: it hears what comes from now
+    /// on. What the old one had sent and is not out yet stays.
+    pub fn revive_host(&mut self) {
+        self.host.revive();
+    }
+
+    /// What was ordered for this time, or comes by chance.
+    pub(super) fn disturb_in_time(&mut self) {
+        while let Some((_, disturbance)) = self.ordered.pop_front_if(|(time, _)| *time <= self.now)
+        {
+            self.disturb(disturbance);
+        }
+        while self.chance.due() <= self.now
+            && let Some(disturbance) = self.chance.take(self.now)
+        {
+            self.disturb(disturbance);
+        }
+    }
+
+    fn apply(&mut self, disturbance: Disturbance) {
+        let until = |time| self.now.after(nanoseconds(time));
+        match disturbance {
+            Disturbance::Corrupt { frames } => {
+                self.corruptions = self.corruptions.saturating_add(frames);
+            }
+            Disturbance::Misread { receiver, frames } => {
+                self.mark(receiver, frames, |one| &mut one.misreads);
+            }
+            Disturbance::Double { receiver } => self.mark(receiver, 1, |one| &mut one.doubles),
+            Disturbance::Lose { receiver, frames } => {
+                self.mark(receiver, frames, |one| &mut one.losses);
+            }
+            Disturbance::Delay { node, time } => {
+                let until = until(time);
+                if let Some(device) = self.devices.get_mut(node) {
+                    device.delay(until);
+                    self.look_at_device(node);
+                }
+            }
+            Disturbance::Babble { what, time } => {
+                self.stranger.babbles = Some((what, until(time)));
+                self.refill_stranger();
+            }
+            Disturbance::CutPower { node, time } => self.cut_power(node, time),
+            Disturbance::CutPowerWhileSaving { node, after, time } => {
+                if let Some(device) = self.devices.get_mut(node) {
+                    device.cut_power_while_saving(after, time);
+                }
+            }
+            Disturbance::StallHost { time } => self.host.stall(until(time)),
+            Disturbance::KillHost => self.host.kill(),
+            Disturbance::LoseSync { time } => self.host.lose_sync(until(time)),
+            Disturbance::Drive {
+                node,
+                trouble,
+                time,
+            } => {
+                let ticks = nanoseconds(time).div_ceil(1_000_000);
+                if let Some(device) = self.devices.get_mut(node) {
+                    device.trouble(trouble, ticks);
+                }
+            }
+        }
+    }
+
+    fn mark(&mut self, station: Station, times: u32, what: fn(&mut Controller) -> &mut u32) {
+        if let Some(place) = station.place(self.devices.len()) {
+            let count = what(&mut self.controllers[place]);
+            *count = count.saturating_add(times);
+            self.has_marks = true;
+        }
+    }
+
+    /// Takes the power away from a node; one that has none stays without it until the later time.
+    pub(super) fn cut_power(&mut self, node: usize, time: Duration) {
+        let until = self.now.after(nanoseconds(time));
+        let Some(device) = self.devices.get_mut(node) else {
+            return;
+        };
+        let place = node + 1;
+        let had_power = device.axis().is_some();
+        device.cut_power(self.now, until);
+        self.controllers[place].power_off();
+        self.medium.lose(self.now, place);
+        self.look_at(place);
+        self.look_at_device(node);
+        if let Some(observer) = self.observer.as_mut().filter(|_| had_power) {
+            observer.power(self.now, node, false);
+        }
+    }
+
+    /// Gives the stranger its next frame: a forged one before what it babbles. It is on the bus
+    /// only as long as it has one.
+    pub(super) fn refill_stranger(&mut self) {
+        let place = self.controllers.len() - 1;
+        let stranger = &mut self.controllers[place];
+        if !stranger.is_empty() {
+            return;
+        }
+        let now = self.now;
+        let frame = self.stranger.forged.pop_front().or_else(|| {
+            let (what, until) = self.stranger.babbles?;
+            (now < until).then(|| match what {
+                Babble::Frame(frame) => frame,
+                Babble::Anything => self.chance.frame(),
+            })
+        });
+        match frame {
+            Some(frame) => {
+                if !stranger.is_powered() {
+                    stranger.power_on(now);
+                }
+                stranger.push(frame);
+            }
+            None => stranger.power_off(),
+        }
+        self.look_at(place);
+    }
 }

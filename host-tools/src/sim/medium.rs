@@ -1,12 +1,26 @@
-//! The wire: one frame at a time, and who may send the next.
+//! The wire: one frame at a time, and what becomes of it.
 
 use canter_shared::wire::frame::Frame;
 
-use super::Station;
 use super::bits;
 use super::clock::TrueTime;
-use super::random::SplitMix64;
+use super::observer::Destruction;
+use super::station::Station;
 use crate::bus::Bitrate;
+
+/// Bits of an error flag.
+const FLAG: u32 = 6;
+
+/// Recessive bits after the flags of an error frame.
+const DELIMITER: u32 = 8;
+
+/// Bits that an error passive sender waits after a frame of its own, besides the usual space.
+const SUSPENSION: u32 = 8;
+
+/// Recessive bits from the last dominant one until the next frame may begin: after a good frame
+/// the acknowledge delimiter, the end of frame and the space, after an error frame its delimiter
+/// and the space.
+const RECESSIVE: u32 = 8 + bits::INTERFRAME;
 
 /// A frame that was on the bus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,7 +31,7 @@ pub struct Transmission {
     pub end: TrueTime,
     /// Its length in bits: stuff bits included, the space to the next frame not.
     pub bits: u32,
-    /// Who sent it.
+    /// Who sent it; of several that sent the very same at once, the first.
     pub sender: Station,
     /// What was sent.
     pub frame: Frame,
@@ -26,7 +40,8 @@ pub struct Transmission {
 /// How much of the time the bus was taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Load {
-    /// Nanoseconds in which the bus was not free: frames and the space that each must keep.
+    /// Nanoseconds in which the bus was not free: frames, error frames and the space that each
+    /// must keep.
     pub busy: u64,
     /// Nanoseconds since the start.
     pub elapsed: u64,
@@ -51,12 +66,48 @@ impl Load {
     }
 }
 
+/// What becomes of a frame; stations by their places.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Fate {
+    /// It comes to its end.
+    Whole,
+    /// An error frame ends it after this many bits.
+    Destroyed { bits: u32, cause: Destruction },
+    /// All but this one have taken it when an error frame spoils its last bit for the sender.
+    Doubled { but: usize },
+}
+
+/// A station without a part in the frame under way any more.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Lapse {
+    pub(super) place: usize,
+    /// Whether it was one of those that sent.
+    pub(super) sent: bool,
+}
+
+/// A frame on the wire.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct OnWire {
+    pub(super) start: TrueTime,
+    /// When it and the error frame that it may get are over.
+    pub(super) end: TrueTime,
+    pub(super) bits: u32,
+    pub(super) frame: Frame,
+    /// The first of those that sent it when it began.
+    pub(super) sender: usize,
+    pub(super) fate: Fate,
+}
+
 /// The state of the wire.
 #[derive(Debug)]
 pub(super) struct Medium {
     /// Nanoseconds of one bit.
     bit: u64,
-    current: Option<Transmission>,
+    current: Option<OnWire>,
+    /// Those that send the frame under way, to its end.
+    senders: Vec<usize>,
+    /// Those that saw an error in it and made nobody see it.
+    lapses: Vec<Lapse>,
     /// When the space after the last frame is over.
     free: TrueTime,
     busy: u64,
@@ -67,38 +118,132 @@ impl Medium {
         Self {
             bit: 1_000_000_000 / u64::from(bitrate.bits_per_second()),
             current: None,
+            senders: Vec::new(),
+            lapses: Vec::new(),
             free: TrueTime::default(),
             busy: 0,
         }
     }
 
-    /// When something happens here next: a frame ends, or one of those that wait may begin.
-    pub(super) fn due(&self, somebody_waits: bool) -> Option<TrueTime> {
-        match &self.current {
-            Some(current) => Some(current.end),
-            None => somebody_waits.then_some(self.free),
-        }
+    /// Nanoseconds of one bit.
+    pub(super) fn bit(&self) -> u64 {
+        self.bit
     }
 
-    pub(super) fn is_free(&self, now: TrueTime) -> bool {
-        self.current.is_none() && self.free <= now
+    /// When the frame under way is over.
+    pub(super) fn due(&self) -> Option<TrueTime> {
+        self.current.as_ref().map(|current| current.end)
     }
 
-    pub(super) fn begin(&mut self, now: TrueTime, sender: Station, frame: Frame) {
-        let bits = bits::length(&frame);
-        let end = now.after(u64::from(bits) * self.bit);
-        self.free = end.after(u64::from(bits::INTERFRAME) * self.bit);
-        self.current = Some(Transmission {
+    /// When the next frame may begin; none while one is under way.
+    pub(super) fn free(&self) -> Option<TrueTime> {
+        self.current.is_none().then_some(self.free)
+    }
+
+    /// Since when the bus has been recessive, if no frame is under way.
+    pub(super) fn recessive_since(&self) -> TrueTime {
+        TrueTime(self.free.0.saturating_sub(u64::from(RECESSIVE) * self.bit))
+    }
+
+    /// Until when an error passive sender of the last frame waits.
+    pub(super) fn suspension(&self) -> TrueTime {
+        self.free.after(u64::from(SUSPENSION) * self.bit)
+    }
+
+    pub(super) fn senders(&self) -> &[usize] {
+        &self.senders
+    }
+
+    pub(super) fn lapses(&self) -> &[Lapse] {
+        &self.lapses
+    }
+
+    /// Whether `place` takes the frame under way if it is on the bus at all.
+    pub(super) fn receives(&self, place: usize) -> bool {
+        !self.senders.contains(&place) && self.lapses.iter().all(|lapse| lapse.place != place)
+    }
+
+    /// Whether `place` sent the frame under way, to its end or not.
+    pub(super) fn sends(&self, place: usize) -> bool {
+        let mut lapses = self.lapses.iter();
+        self.senders.contains(&place) || lapses.any(|lapse| lapse.sent && lapse.place == place)
+    }
+
+    /// Takes note of who is to send the next frame, in the order of their places.
+    pub(super) fn line_up(&mut self, senders: impl Iterator<Item = usize>) {
+        self.lapses.clear();
+        self.senders.clear();
+        self.senders.extend(senders);
+    }
+
+    /// One of the senders leaves it to the others.
+    pub(super) fn give_up(&mut self, place: usize) {
+        self.senders.retain(|sender| *sender != place);
+        self.lapses.push(Lapse { place, sent: true });
+    }
+
+    /// A receiver misses it.
+    pub(super) fn miss(&mut self, place: usize) {
+        self.lapses.push(Lapse { place, sent: false });
+    }
+
+    /// The frame begins, and its fate is decided.
+    pub(super) fn begin(
+        &mut self,
+        now: TrueTime,
+        sender: usize,
+        frame: Frame,
+        bits: u32,
+        fate: Fate,
+    ) {
+        let end = match fate {
+            Fate::Whole => self.after(now, bits),
+            Fate::Destroyed { bits, cause } => self.after(now, bits + error_frame(cause)),
+            Fate::Doubled { .. } => self.after(now, bits - 1 + 2 * FLAG + DELIMITER),
+        };
+        self.set(OnWire {
             start: now,
             end,
             bits,
-            sender,
             frame,
+            sender,
+            fate,
         });
     }
 
-    /// The frame that has ended by `now`.
-    pub(super) fn finish(&mut self, now: TrueTime) -> Option<Transmission> {
+    fn set(&mut self, current: OnWire) {
+        self.free = self.after(current.end, bits::INTERFRAME);
+        self.current = Some(current);
+    }
+
+    /// `place` has lost its power. A frame that nobody else sends is cut off there, unless all
+    /// that is still to come of it is recessive anyhow.
+    pub(super) fn lose(&mut self, now: TrueTime, place: usize) {
+        let sent = self.senders.contains(&place);
+        self.senders.retain(|sender| *sender != place);
+        self.lapses.retain(|lapse| lapse.place != place);
+        let Some(mut current) = self.current.filter(|_| sent && self.senders.is_empty()) else {
+            return;
+        };
+        let passed = now.0.saturating_sub(current.start.0).div_ceil(self.bit);
+        let passed = u32::try_from(passed).unwrap_or(u32::MAX).max(1);
+        let ends = match current.fate {
+            Fate::Destroyed { bits, .. } => bits,
+            _ => current.bits.saturating_sub(8),
+        };
+        if passed < ends {
+            let cause = Destruction::CutOff;
+            current.fate = Fate::Destroyed {
+                bits: passed,
+                cause,
+            };
+            current.end = self.after(current.start, passed + error_frame(cause));
+            self.set(current);
+        }
+    }
+
+    /// The frame that is over by `now`.
+    pub(super) fn finish(&mut self, now: TrueTime) -> Option<OnWire> {
         let ended = self.current.take_if(|current| current.end <= now)?;
         self.busy += self.free.0.saturating_sub(ended.start.0);
         Some(ended)
@@ -110,71 +255,18 @@ impl Medium {
             elapsed: now.0,
         }
     }
+
+    fn after(&self, time: TrueTime, bits: u32) -> TrueTime {
+        time.after(u64::from(bits) * self.bit)
+    }
 }
 
-/// Who gets the bus: the lowest identifier. Where several send the same one, which no healthy bus
-/// has, real controllers would destroy each other's frames unless they were equal to the last bit;
-/// here the seed says who is first.
-pub(super) fn arbitrate<'a>(
-    waiting: impl Iterator<Item = (Station, &'a Frame)>,
-    random: &mut SplitMix64,
-) -> Option<(Station, Frame)> {
-    let mut first: Option<(Station, &Frame)> = None;
-    let mut equal = 0;
-    for (sender, frame) in waiting {
-        let wins = match first {
-            Some((_, best)) if frame.id() > best.id() => continue,
-            Some((_, best)) if frame.id() == best.id() => {
-                equal += 1;
-                // Each of n is chosen with the same chance: the n-th takes over in one of n cases.
-                random.up_to(equal) == 0
-            }
-            _ => {
-                equal = 0;
-                true
-            }
-        };
-        if wins {
-            first = Some((sender, frame));
-        }
-    }
-    first.map(|(sender, frame)| (sender, *frame))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn frame(id: u16) -> Frame {
-        Frame::new(id, &[]).expect("a valid frame")
-    }
-
-    #[test]
-    fn the_lowest_identifier_wins() {
-        let frames = [0x321, 0x7FF, 0x045, 0x046].map(frame);
-        let waiting = frames
-            .iter()
-            .enumerate()
-            .map(|(at, frame)| (Station::Node(at), frame));
-        let winner = arbitrate(waiting, &mut SplitMix64::new(0));
-        assert_eq!(winner, Some((Station::Node(2), frames[2])));
-        assert_eq!(arbitrate([].into_iter(), &mut SplitMix64::new(0)), None);
-    }
-
-    #[test]
-    fn equal_identifiers_share_by_chance() {
-        let frame = frame(1);
-        let mut random = SplitMix64::new(3);
-        let mut won = [0; 3];
-        for _ in 0..3_000 {
-            let waiting = (0..3).map(|at| (Station::Node(at), &frame));
-            if let Some((Station::Node(at), _)) = arbitrate(waiting, &mut random) {
-                won[at] += 1;
-            }
-        }
-        assert!(
-            won.iter().all(|count| (900..1_100).contains(count)),
-            "{won:?}"
-        );
-    }
+/// Bits of an error frame. Whoever sees the error sends a flag; the others see six equal bits,
+/// which no frame has, and send theirs right after it. A sender that nobody hears is alone with it.
+const fn error_frame(cause: Destruction) -> u32 {
+    let flags = match cause {
+        Destruction::NotAcknowledged => FLAG,
+        _ => 2 * FLAG,
+    };
+    flags + DELIMITER
 }

@@ -102,12 +102,15 @@ pub struct Destroyed {
 pub enum Destruction {
     /// The wire was disturbed.
     Disturbed,
-    /// This receiver saw an error.
+    /// This receiver saw an error. Where it saw it in the last bit but one, the others have the
+    /// frame all the same, and have it again when it is repeated.
     Misread(Station),
     /// Others sent the same identifier at once, and another payload.
     Collision,
     /// Nobody was there to acknowledge it.
     NotAcknowledged,
+    /// Its sender lost its power.
+    CutOff,
 }
 
 /// A node after its tick.
