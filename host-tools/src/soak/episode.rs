@@ -87,7 +87,9 @@ impl Witness {
 
     /// What a saboteur makes of a tick; none where he hides it.
     fn sabotage_tick(&mut self, node: usize, now: &mut Glance) -> Option<()> {
-        self.sabotage?;
+        if self.sabotage.is_none() {
+            return Some(());
+        }
         let moves = now.state == State::OperationEnabled && now.setpoint.velocity.counts() != 0;
         if now.state == State::Fault && self.strikes(Sabotage::ForgottenFault, 50) {
             (now.state, now.fault) = (State::SwitchOnDisabled, None);
