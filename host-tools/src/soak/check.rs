@@ -132,8 +132,8 @@ impl Watch {
     }
 
     fn command(&mut self, time: TrueTime, command: &Command) {
-        let admitted = self.believed.take(time, command, self.last.as_ref());
-        self.answers.command(command, admitted);
+        let admission = self.believed.take(time, command, self.last.as_ref());
+        self.answers.command(command, admission);
         if let Some(last) = &self.last {
             let moves = self.believed.was_asked_to_move();
             self.stopping

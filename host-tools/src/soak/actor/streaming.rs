@@ -34,7 +34,11 @@ pub(super) struct Stream {
 impl Stream {
     /// Draws one that leaves from where the axis is; the caller begins it with the command.
     pub(super) fn draw(dice: &mut Dice, sheet: &Sheet, known: &Known, now: BusTime) -> Self {
-        let period = dice.one_of(&[1, 2, 5, 10, 20, 50, 200]);
+        // Knots go before answers: at every tick, and to many axes, they take the whole bus.
+        let period = match dice.between(0, 49) {
+            0 => 1,
+            _ => dice.one_of(&[4, 5, 10, 20, 20, 50, 200]),
+        };
         let seconds = dice.decades(0.1, 3.0);
         let knots = ((seconds * 1_000.0) as u64 / u64::from(period)).max(2);
         let way = choice::distance(dice, sheet, seconds);

@@ -5,20 +5,21 @@ use canter_shared::wire::id::Function;
 use canter_shared::wire::reason::Reason;
 use canter_shared::wire::report::Report;
 
+use super::believed::Admission;
 use super::{Finding, Verdict};
 use crate::soak::invariant::Invariant;
 
-/// Commands whose answers may still be on their way: more than an axis and its controller can keep.
-const RECENT: usize = 64;
+/// Functions that there can be.
+const FUNCTIONS: usize = 32;
 
 /// The eye on the answers of an axis.
 #[derive(Debug)]
 pub(super) struct Answers {
     /// Commands that are answered, less the answers so far.
     owed: u64,
-    /// What was last taken from who may: function and number.
-    recent: [(u8, u8); RECENT],
-    next: usize,
+    /// By function and number: commands from who may that have not been accepted yet. Answers may
+    /// be seconds late on a bus that is full.
+    from_holder: Vec<[u8; 256]>,
     /// By number: whether moves were staged with it, and moves that may still begin.
     staged: [bool; 256],
     may_start: [u8; 256],
@@ -28,8 +29,7 @@ impl Default for Answers {
     fn default() -> Self {
         Self {
             owed: 0,
-            recent: [(0, 0); RECENT],
-            next: 0,
+            from_holder: vec![[0; 256]; FUNCTIONS],
             staged: [false; 256],
             may_start: [0; 256],
         }
@@ -37,8 +37,8 @@ impl Default for Answers {
 }
 
 impl Answers {
-    /// The axis got a command, which was `admitted` or not.
-    pub(super) fn command(&mut self, command: &Command, admitted: bool) {
+    /// The axis got a command.
+    pub(super) fn command(&mut self, command: &Command, admission: Admission) {
         let number = match *command {
             Command::EmergencyStop
             | Command::Sync { .. }
@@ -58,12 +58,15 @@ impl Answers {
             | Command::Move { sequence, .. } => sequence,
         };
         self.owed += 1;
-        if !admitted {
+        if admission == Admission::No {
             return;
         }
-        self.recent[self.next] = (command.function().into(), number);
-        self.next = (self.next + 1) % RECENT;
         let place = usize::from(number);
+        let accepted = &mut self.from_holder[usize::from(u8::from(command.function()))][place];
+        *accepted = accepted.saturating_add(1);
+        if admission == Admission::Again {
+            return;
+        }
         let begins = match command {
             Command::Move { staged: true, .. } => {
                 self.staged[place] = true;
@@ -97,12 +100,17 @@ impl Answers {
                     ));
                 }
                 self.owed -= 1;
-                let known = self.recent.contains(&(function.into(), sequence));
-                if reason == Reason::Accepted && !known {
+                if reason != Reason::Accepted {
+                    return Ok(());
+                }
+                let place = usize::from(sequence);
+                let accepted = &mut self.from_holder[usize::from(u8::from(function))][place];
+                if *accepted == 0 {
                     return wrong(format!(
                         "{function:?} number {sequence} was accepted, but came from nobody who may"
                     ));
                 }
+                *accepted -= 1;
                 Ok(())
             }
             Report::Started { sequence, .. } => {

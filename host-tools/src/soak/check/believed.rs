@@ -22,6 +22,21 @@ const ROUNDING: u64 = 3_000_000;
 /// has learned of it, and what it makes up for.
 const DRIFT: u64 = 1_000;
 
+/// Whether an axis may do what a command says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Admission {
+    No,
+    /// It has the number of the command before: it may be that command again.
+    Again,
+    Yes,
+}
+
+impl From<bool> for Admission {
+    fn from(may: bool) -> Self {
+        if may { Self::Yes } else { Self::No }
+    }
+}
+
 /// What came between two ticks.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Asked {
@@ -92,10 +107,15 @@ impl Believed {
 
     /// Takes a command that the axis got; says whether it comes from who may command it, under a
     /// new number where it needs one.
-    pub(super) fn take(&mut self, now: TrueTime, command: &Command, last: Option<&Glance>) -> bool {
-        let admitted = self.admit(now, command);
-        if !admitted {
-            return false;
+    pub(super) fn take(
+        &mut self,
+        now: TrueTime,
+        command: &Command,
+        last: Option<&Glance>,
+    ) -> Admission {
+        let admission = self.admit(now, command);
+        if admission != Admission::Yes {
+            return admission;
         }
         match command {
             Command::Move { staged: false, .. }
@@ -110,7 +130,7 @@ impl Believed {
             Command::Stop { .. } => self.asked.stop = true,
             _ => {}
         }
-        true
+        admission
     }
 
     fn control(&mut self, action: Action, last: Option<&Glance>) {
@@ -130,34 +150,41 @@ impl Believed {
         }
     }
 
-    fn admit(&mut self, now: TrueTime, command: &Command) -> bool {
+    fn admit(&mut self, now: TrueTime, command: &Command) -> Admission {
+        let is_held = self.holder.is_some() || self.doubt;
+        let by = |session: Session| self.holder == Some(session) || self.doubt;
         match *command {
-            Command::EmergencyStop | Command::Stop { .. } | Command::ParameterRead { .. } => true,
-            Command::Sync { .. } | Command::IdentityRequest | Command::Assign(_) => false,
+            Command::EmergencyStop | Command::Stop { .. } | Command::ParameterRead { .. } => {
+                Admission::Yes
+            }
+            Command::Sync { .. } | Command::IdentityRequest | Command::Assign(_) => Admission::No,
             Command::HostHeartbeat { session } => {
                 if self.holder == Some(session) {
                     self.heard = now;
                 }
-                false
+                Admission::No
             }
-            Command::Trigger { session, .. } => self.holder == Some(session) || self.doubt,
-            Command::Knot { .. } => self.holder.is_some() || self.doubt,
+            Command::Trigger { session, .. } => by(session).into(),
+            Command::Knot { .. } => is_held.into(),
             Command::Control {
                 action: Action::Hold,
                 session,
                 sequence,
-            } => self.hold(now, session, sequence),
+            } => self.hold(now, session, sequence).into(),
             Command::Control {
                 session, sequence, ..
-            } => (self.holder == Some(session) || self.doubt) && self.advance(sequence),
+            } if by(session) => self.advance(sequence),
             Command::TrapezoidShape { sequence, .. }
             | Command::RampLimits { sequence, .. }
             | Command::PeakLimits { sequence, .. }
             | Command::StreamBegin { sequence, .. }
             | Command::ParameterWrite { sequence, .. }
-            | Command::Move { sequence, .. } => {
-                (self.holder.is_some() || self.doubt) && self.advance(sequence)
+            | Command::Move { sequence, .. }
+                if is_held =>
+            {
+                self.advance(sequence)
             }
+            _ => Admission::No,
         }
     }
 
@@ -184,15 +211,19 @@ impl Believed {
         }
     }
 
-    fn advance(&mut self, sequence: u8) -> bool {
+    fn advance(&mut self, sequence: u8) -> Admission {
         let Some(number) = self.number else {
-            return true;
+            return Admission::Yes;
         };
-        let ahead = (1..=AHEAD).contains(&sequence.wrapping_sub(number));
-        if ahead {
-            self.number = Some(sequence);
+        match sequence.wrapping_sub(number) {
+            1..=AHEAD => {
+                self.number = Some(sequence);
+                Admission::Yes
+            }
+            _ if self.doubt => Admission::Yes,
+            0 => Admission::Again,
+            _ => Admission::No,
         }
-        ahead || self.doubt
     }
 
     /// What the axis says of its holder needs a reason.

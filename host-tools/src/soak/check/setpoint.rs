@@ -48,9 +48,11 @@ impl Setpoints {
     fn time(&mut self, last: &Glance, now: &Glance) -> Verdict {
         let passed = now.time.0.saturating_sub(last.time.0);
         let in_turn = now.tick.0 == last.tick.0.wrapping_add(1);
-        let still = last.setpoint.velocity.counts() == 0
+        let stays = last.setpoint.velocity.counts() == 0
             && now.setpoint.velocity.counts() == 0
-            && last.rests();
+            && (now.setpoint.position == last.setpoint.position || !now.state.drives());
+        // It may have been set before a command came that begins with this tick.
+        let still = last.rests() || stays;
         let late = passed > TICK + TICK_ROUNDING;
         let early = passed + TICK_ROUNDING < TICK;
         if late || !still && (early || !in_turn) {
