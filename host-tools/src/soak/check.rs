@@ -120,7 +120,7 @@ impl Watch {
     fn tick(&mut self, now: &Glance, statistics: &mut Statistics) -> Verdict {
         let last = self.last.replace(*now);
         statistics.tick(last.as_ref(), now);
-        self.believed.tick(now)?;
+        self.believed.tick(last.as_ref(), now)?;
         self.authority
             .tick(last.as_ref(), now, &mut self.believed)?;
         if let Some(last) = &last {
@@ -131,8 +131,8 @@ impl Watch {
             .tick(last.as_ref(), now, asked, &self.believe, statistics)
     }
 
-    fn command(&mut self, time: TrueTime, command: &Command) {
-        let admission = self.believed.take(time, command, self.last.as_ref());
+    fn command(&mut self, time: TrueTime, frame: &Frame, command: &Command) {
+        let admission = self.believed.take(time, frame, command, self.last.as_ref());
         self.answers.command(command, admission);
         if let Some(last) = &self.last {
             let moves = self.believed.was_asked_to_move();
@@ -197,7 +197,7 @@ impl Checker {
         if let Some(watch) = self.watches.get_mut(node)
             && address.includes(watch.believe.axis)
         {
-            watch.command(time, &command);
+            watch.command(time, frame, &command);
         }
     }
 

@@ -149,6 +149,20 @@ impl Observer for Witness {
 
     fn tick(&mut self, time: TrueTime, tick: &AxisTick<'_>) {
         let mut now = Glance::of(time, tick);
+        if std::env::var("DBGAX").is_ok_and(|a| a == tick.setpoint.axis.to_string()) {
+            eprintln!(
+                "{} {} p {} v {} a {} moving {} fault {:?} session {:?} lim {:?}",
+                now.tick.0,
+                now.state,
+                now.setpoint.position.counts(),
+                now.setpoint.velocity.counts(),
+                now.setpoint.acceleration.counts(),
+                now.moving,
+                now.fault,
+                now.session,
+                tick.axis.limits()
+            );
+        }
         if self.sabotage_tick(tick.node, &mut now).is_some() {
             self.checker.tick(tick.node, &now);
         }

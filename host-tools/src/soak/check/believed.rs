@@ -5,6 +5,7 @@
 
 use canter_shared::time::Ticks;
 use canter_shared::wire::command::{Action, Command, Session};
+use canter_shared::wire::frame::Frame;
 use canter_shared::wire::id::AxisId;
 
 use super::{Finding, Glance, Verdict};
@@ -17,6 +18,12 @@ const AHEAD: u8 = 127;
 /// Nanoseconds by which an axis's idea of silence may differ from the truth: whole ticks at both
 /// ends, and the tick that it takes to notice.
 const ROUNDING: u64 = 3_000_000;
+
+/// Nanoseconds between two ticks.
+const TICK: u64 = 1_000_000;
+
+/// A tick that comes early or late by more than so many nanoseconds comes by a clock that was set.
+const STEP: u64 = 10_000;
 
 /// A node's clock differs from true time by no more than one part of so many: its crystal, what it
 /// has learned of it, and what it makes up for.
@@ -54,8 +61,12 @@ pub(super) struct Believed {
     holder: Option<Session>,
     /// The number of the holder's last command; none where doubt has made it unknown.
     number: Option<u8>,
+    /// That command, also when its number was released with the axis.
+    last_command: Option<Frame>,
     /// When the holder was last heard.
     heard: TrueTime,
+    /// Times since then that the node's clock was set anew: each may round to the next tick.
+    steps: u64,
     /// A release may have come too early, and the session may still hold the axis.
     doubt: bool,
     held_in_doubt: bool,
@@ -73,7 +84,9 @@ impl Believed {
             host_timeout: u64::from(host_timeout.0) * 1_000_000,
             holder: None,
             number: None,
+            last_command: None,
             heard: TrueTime(0),
+            steps: 0,
             doubt: false,
             held_in_doubt: false,
             asked: Asked::default(),
@@ -100,9 +113,18 @@ impl Believed {
         now.0.saturating_sub(self.heard.0)
     }
 
+    fn hear(&mut self, now: TrueTime) {
+        (self.heard, self.steps) = (now, 0);
+    }
+
+    /// Nanoseconds by which an axis may count a silence of the time-out wrongly.
+    fn inexact(&self) -> u64 {
+        self.host_timeout / DRIFT + ROUNDING + self.steps * TICK
+    }
+
     /// The longest silence that an axis can overlook.
     pub(super) fn longest_silence(&self) -> u64 {
-        self.host_timeout + self.host_timeout / DRIFT + ROUNDING
+        self.host_timeout + self.inexact()
     }
 
     /// Takes a command that the axis got; says whether it comes from who may command it, under a
@@ -110,12 +132,20 @@ impl Believed {
     pub(super) fn take(
         &mut self,
         now: TrueTime,
+        frame: &Frame,
         command: &Command,
         last: Option<&Glance>,
     ) -> Admission {
+        if self.last_command == Some(*frame) {
+            return Admission::Again;
+        }
+        let number = self.number;
         let admission = self.admit(now, command);
         if admission != Admission::Yes {
             return admission;
+        }
+        if self.number != number {
+            self.last_command = Some(*frame);
         }
         match command {
             Command::Move { staged: false, .. }
@@ -160,7 +190,7 @@ impl Believed {
             Command::Sync { .. } | Command::IdentityRequest | Command::Assign(_) => Admission::No,
             Command::HostHeartbeat { session } => {
                 if self.holder == Some(session) {
-                    self.heard = now;
+                    self.hear(now);
                 }
                 Admission::No
             }
@@ -205,7 +235,7 @@ impl Believed {
                     self.holder = Some(session);
                 }
                 self.number = Some(sequence);
-                self.heard = now;
+                self.hear(now);
                 true
             }
         }
@@ -227,7 +257,12 @@ impl Believed {
     }
 
     /// What the axis says of its holder needs a reason.
-    pub(super) fn tick(&mut self, now: &Glance) -> Verdict {
+    pub(super) fn tick(&mut self, last: Option<&Glance>, now: &Glance) -> Verdict {
+        if let Some(last) = last {
+            let passed = now.time.0.saturating_sub(last.time.0);
+            let in_turn = now.tick.0 == last.tick.0.wrapping_add(1);
+            self.steps += u64::from(!in_turn || passed.abs_diff(TICK) > STEP);
+        }
         if self.doubt {
             self.doubt = false;
             if self.held_in_doubt {
@@ -252,9 +287,7 @@ impl Believed {
                 }
                 Ok(())
             }
-            (Some(_), None)
-                if silence + ROUNDING + self.host_timeout / DRIFT >= self.host_timeout =>
-            {
+            (Some(_), None) if silence + self.inexact() >= self.host_timeout => {
                 self.holder = None;
                 self.enable = false;
                 Ok(())
@@ -268,10 +301,11 @@ impl Believed {
                 Err(Finding(
                     Invariant::Commander,
                     format!(
-                        "axis {} says that {} holds it; by the frames that it got {} does",
+                        "axis {} says that {} holds it; by the frames that it got {} does, heard {:.1} ms ago",
                         self.axis,
                         word(claimed),
-                        word(believed)
+                        word(believed),
+                        silence as f64 / 1e6
                     ),
                 ))
             }

@@ -43,6 +43,8 @@ struct Due {
     since: TrueTime,
     until: TrueTime,
     why: &'static str,
+    /// What the axis was at then.
+    from: Setpoint,
     /// A new command to move takes its place.
     gives_way: bool,
 }
@@ -93,6 +95,7 @@ impl Stopping {
             since,
             until,
             why,
+            from: last.setpoint,
             gives_way,
         };
         // A second stop gives the first one no more time.
@@ -131,12 +134,16 @@ impl Stopping {
             return Err(Finding(
                 Invariant::Stop,
                 format!(
-                    "still at {:.9} rad/s in {} {:.1} ms after {}, which takes {:.1} ms at the most",
+                    "still at {:.9} rad/s in {} {:.1} ms after {} at {:.9} rad/s and {:.6} rad/s^2, which takes {:.1} ms at the most with {:.6} rad/s^2 and {:.3} rad/s^3",
                     now.setpoint.velocity.radians(),
                     now.state,
                     now.time.0.saturating_sub(due.since.0) as f64 / 1e6,
                     due.why,
+                    due.from.velocity.radians(),
+                    due.from.acceleration.radians(),
                     may / 1e6,
+                    believe.limits.slower_acceleration().radians(),
+                    believe.limits.jerk().radians(),
                 ),
             ));
         }
