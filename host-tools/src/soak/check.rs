@@ -96,6 +96,8 @@ pub(super) struct Believe {
 #[derive(Debug)]
 struct Watch {
     believe: Believe,
+    /// When its node last lost or got its power.
+    since: TrueTime,
     believed: Believed,
     setpoints: Setpoints,
     authority: Authority,
@@ -105,9 +107,10 @@ struct Watch {
 }
 
 impl Watch {
-    fn new(believe: Believe) -> Self {
+    fn new(believe: Believe, since: TrueTime) -> Self {
         Self {
             believe,
+            since,
             believed: Believed::new(believe.axis, believe.host_timeout),
             setpoints: Setpoints::default(),
             authority: Authority::default(),
@@ -156,7 +159,7 @@ impl Checker {
     pub(super) fn new(seed: u64, axes: impl Iterator<Item = Believe>) -> Self {
         Self {
             seed,
-            watches: axes.map(Watch::new).collect(),
+            watches: axes.map(|axis| Watch::new(axis, TrueTime(0))).collect(),
             statistics: Statistics::default(),
             violation: None,
         }
@@ -210,10 +213,10 @@ impl Checker {
     }
 
     /// A node has lost its power, or has it again and begins anew.
-    pub(super) fn power(&mut self, node: usize, on: bool) {
+    pub(super) fn power(&mut self, time: TrueTime, node: usize, on: bool) {
         self.statistics.resets += u64::from(on);
         if let Some(watch) = self.watches.get_mut(node) {
-            *watch = Watch::new(watch.believe);
+            *watch = Watch::new(watch.believe, time);
         }
     }
 
@@ -234,7 +237,10 @@ impl Checker {
         if let Report::Started { .. } = report {
             self.statistics.starts += 1;
         }
-        if let Some(watch) = self.watches.get_mut(node) {
+        // The last bits of a frame are as good without its sender.
+        if let Some(watch) = self.watches.get_mut(node)
+            && watch.since <= transmission.start
+        {
             let verdict = watch.answers.report(&report);
             self.judge(transmission.end, node, verdict);
         }

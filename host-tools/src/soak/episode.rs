@@ -168,8 +168,8 @@ impl Observer for Witness {
         }
     }
 
-    fn power(&mut self, _time: TrueTime, node: usize, on: bool) {
-        self.checker.power(node, on);
+    fn power(&mut self, time: TrueTime, node: usize, on: bool) {
+        self.checker.power(time, node, on);
     }
 
     fn disturbance(&mut self, _time: TrueTime, _disturbance: &Disturbance) {

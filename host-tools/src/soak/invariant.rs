@@ -37,7 +37,7 @@ macro_rules! invariants {
 }
 
 invariants! {
-    Limits = "limits", "every setpoint is inside the limits of velocity, acceleration and travel that are in force, and never farther outside the travel than the one before";
+    Limits = "limits", "every setpoint is inside the limits of velocity, acceleration and travel that are in force, and outside the travel only on the way from where the axis was enabled";
     Continuity = "continuity", "a setpoint follows from the one before: position from the velocity between, velocity from the acceleration limit; torque comes on where the drive is; each millisecond has its setpoint";
     Commander = "commander", "an axis moves only while it is enabled and held by a session that beat within the time-out and commanded that motion, or while it comes to rest";
     Stop = "stop", "after a stop, an emergency stop, a fault or the loss of its session an axis rests within the time that its limits allow";

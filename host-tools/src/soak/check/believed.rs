@@ -15,6 +15,9 @@ use crate::soak::invariant::Invariant;
 /// A number is new when it is ahead of the last one by no more than this.
 const AHEAD: u8 = 127;
 
+/// Triggers that are remembered.
+const TRIGGERS: usize = 8;
+
 /// Nanoseconds by which an axis's idea of silence may differ from the truth: whole ticks at both
 /// ends, and the tick that it takes to notice.
 const ROUNDING: u64 = 3_000_000;
@@ -63,6 +66,8 @@ pub(super) struct Believed {
     number: Option<u8>,
     /// That command, also when its number was released with the axis.
     last_command: Option<Frame>,
+    /// The last ones; the axis remembers the one that it answered.
+    triggers: [Option<Frame>; TRIGGERS],
     /// When the holder was last heard.
     heard: TrueTime,
     /// Times since then that the node's clock was set anew: each may round to the next tick.
@@ -85,6 +90,7 @@ impl Believed {
             holder: None,
             number: None,
             last_command: None,
+            triggers: [None; TRIGGERS],
             heard: TrueTime(0),
             steps: 0,
             doubt: false,
@@ -140,7 +146,7 @@ impl Believed {
             return Admission::Again;
         }
         let number = self.number;
-        let admission = self.admit(now, command);
+        let admission = self.admit(now, frame, command);
         if admission != Admission::Yes {
             return admission;
         }
@@ -170,7 +176,7 @@ impl Believed {
             Action::Clear => self.asked.clear = true,
             Action::Release => {
                 let moves = self.asked.motion || last.is_some_and(|last| last.moving);
-                if moves {
+                if moves || self.doubt || self.number.is_none() {
                     self.doubt = true;
                 } else {
                     self.holder = None;
@@ -180,7 +186,7 @@ impl Believed {
         }
     }
 
-    fn admit(&mut self, now: TrueTime, command: &Command) -> Admission {
+    fn admit(&mut self, now: TrueTime, frame: &Frame, command: &Command) -> Admission {
         let is_held = self.holder.is_some() || self.doubt;
         let by = |session: Session| self.holder == Some(session) || self.doubt;
         match *command {
@@ -194,7 +200,13 @@ impl Believed {
                 }
                 Admission::No
             }
-            Command::Trigger { session, .. } => by(session).into(),
+            Command::Trigger { session, .. } if by(session) => {
+                self.triggers.rotate_right(1);
+                self.triggers[0] = Some(*frame);
+                Admission::Yes
+            }
+            // Its answer outlives the session.
+            Command::Trigger { .. } if self.triggers.contains(&Some(*frame)) => Admission::Again,
             Command::Knot { .. } => is_held.into(),
             Command::Control {
                 action: Action::Hold,

@@ -3,10 +3,17 @@
 use canter_shared::axis::state::State;
 use canter_shared::limits::Limits;
 use canter_shared::motion::Setpoint;
-use canter_shared::units::Position;
+use canter_shared::units::{Position, Velocity};
 
 use super::{Believe, Finding, Glance, Verdict};
 use crate::soak::invariant::Invariant;
+
+/// Counts of 2^-32 turn by which a position may be outside: 1.5 nanorad.
+const BESIDE: i64 = 1;
+
+/// Counts per second by which a velocity may be over its limit: 12 nanorad/s, the margin that
+/// plans keep for rounding.
+const FASTER: i64 = 8;
 
 /// Counts of 2^-32 turn by which a position may differ from what the velocities between two ticks
 /// make of it: both are rounded.
@@ -23,28 +30,45 @@ const TICK: u64 = 1_000_000;
 /// its crystal is off make a microsecond, and clocks show whole ones.
 const TICK_ROUNDING: u64 = 4_000;
 
+/// Ticks after which a clock that was set has no more effect.
+const SETTLED: u8 = 2;
+
 /// The eye on the setpoints of an axis.
 #[derive(Debug, Default)]
-pub(super) struct Setpoints;
+pub(super) struct Setpoints {
+    /// Ticks since the node began, up to [`SETTLED`], and since the axis last stood.
+    begun: u8,
+    in_motion: u8,
+    /// Where the axis may be: in its travel, and from where it was enabled into it.
+    reach: Option<(Position, Position)>,
+}
 
 impl Setpoints {
     pub(super) fn tick(&mut self, last: &Glance, now: &Glance, believe: &Believe) -> Verdict {
         self.time(last, now)?;
         let led = last.state.drives() && last.state != State::ReadyToSwitchOn;
+        let limits = &believe.limits;
         match now.state {
             State::OperationEnabled | State::QuickStopActive | State::FaultReactionActive
                 if led =>
             {
-                limits(last, now, &believe.limits)?;
-                follows(last, now, &believe.limits)
+                self.limits(now, limits)?;
+                follows(last, now, limits)
             }
-            state if state.drives() => begins(last, now, led),
+            state if state.drives() => {
+                let place = now.setpoint.position;
+                self.reach = Some((
+                    limits.position_minimum().min(place),
+                    limits.position_maximum().max(place),
+                ));
+                begins(last, now, led)
+            }
             _ => stands(now),
         }
     }
 
-    /// Each tick follows the one before, and in motion after a millisecond; a clock that is set
-    /// anew leaves ticks out at rest only.
+    /// Each tick follows the one before, and in motion after a millisecond. A clock that is set
+    /// anew, at rest only, leaves ticks out, and has one come late and the next in time again.
     fn time(&mut self, last: &Glance, now: &Glance) -> Verdict {
         let passed = now.time.0.saturating_sub(last.time.0);
         let in_turn = now.tick.0 == last.tick.0.wrapping_add(1);
@@ -53,9 +77,16 @@ impl Setpoints {
             && (now.setpoint.position == last.setpoint.position || !now.state.drives());
         // It may have been set before a command came that begins with this tick.
         let still = last.rests() || stays;
-        let late = passed > TICK + TICK_ROUNDING;
+        self.in_motion = if still {
+            0
+        } else {
+            SETTLED.min(self.in_motion + 1)
+        };
+        self.begun = SETTLED.min(self.begun + 1);
+        // A node that begins runs its first tick at once.
+        let late = passed > TICK + TICK_ROUNDING && self.begun == SETTLED;
         let early = passed + TICK_ROUNDING < TICK;
-        if late || !still && (early || !in_turn) {
+        if late || !still && !in_turn || self.in_motion == SETTLED && early {
             return Err(Finding(
                 Invariant::Continuity,
                 format!(
@@ -69,12 +100,37 @@ impl Setpoints {
         }
         Ok(())
     }
-}
 
-fn outside(position: Position, limits: &Limits) -> Position {
-    (limits.position_minimum() - position)
-        .max(position - limits.position_maximum())
-        .max(Position::ZERO)
+    fn limits(&self, now: &Glance, limits: &Limits) -> Verdict {
+        let setpoint = &now.setpoint;
+        let strongest = limits.acceleration().max(limits.deceleration());
+        let travel = (limits.position_minimum(), limits.position_maximum());
+        let (least, most) = self.reach.unwrap_or(travel);
+        let beside = Position::from_counts(BESIDE);
+        let faster = Velocity::from_counts(FASTER);
+        let broken = if setpoint.velocity.abs() > limits.velocity() + faster {
+            format!(
+                "the velocity limit {:.9} rad/s",
+                limits.velocity().radians()
+            )
+        } else if setpoint.acceleration.abs() > strongest {
+            format!("the acceleration limit {:.6} rad/s^2", strongest.radians())
+        } else if !(least - beside..=most + beside).contains(&setpoint.position) {
+            format!(
+                "the travel from {:.9} to {:.9} rad, of which it may reach {:.9} to {:.9} rad",
+                travel.0.radians(),
+                travel.1.radians(),
+                least.radians(),
+                most.radians()
+            )
+        } else {
+            return Ok(());
+        };
+        Err(Finding(
+            Invariant::Limits,
+            format!("{} in {}, which breaks {broken}", show(setpoint), now.state),
+        ))
+    }
 }
 
 fn show(setpoint: &Setpoint) -> String {
@@ -84,31 +140,6 @@ fn show(setpoint: &Setpoint) -> String {
         setpoint.velocity.radians(),
         setpoint.acceleration.radians()
     )
-}
-
-fn limits(last: &Glance, now: &Glance, limits: &Limits) -> Verdict {
-    let (before, after) = (&last.setpoint, &now.setpoint);
-    let strongest = limits.acceleration().max(limits.deceleration());
-    let broken = if after.velocity.abs() > limits.velocity() {
-        format!(
-            "the velocity limit {:.9} rad/s",
-            limits.velocity().radians()
-        )
-    } else if after.acceleration.abs() > strongest {
-        format!("the acceleration limit {:.6} rad/s^2", strongest.radians())
-    } else if outside(after.position, limits) > outside(before.position, limits) {
-        format!(
-            "the travel from {:.9} to {:.9} rad",
-            limits.position_minimum().radians(),
-            limits.position_maximum().radians()
-        )
-    } else {
-        return Ok(());
-    };
-    Err(Finding(
-        Invariant::Limits,
-        format!("{} in {}, which breaks {broken}", show(after), now.state),
-    ))
 }
 
 /// Position and velocity follow from those before.

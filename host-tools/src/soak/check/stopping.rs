@@ -114,12 +114,20 @@ impl Stopping {
         statistics: &mut Statistics,
     ) -> Verdict {
         if let Some(last) = last.filter(|last| last.state == State::OperationEnabled) {
-            match now.state {
-                State::FaultReactionActive => {
-                    self.begin(last.time, last, believe, "a fault", false)
-                }
-                State::QuickStopActive => self.begin(last.time, last, believe, "a disable", false),
-                _ => {}
+            let why = match now.state {
+                State::FaultReactionActive => Some("a fault"),
+                State::QuickStopActive => Some("a disable"),
+                _ => None,
+            };
+            if let Some(why) = why {
+                // What a tick finds out, it brings to rest from the setpoint of that very tick.
+                let (before, after) = (&last.setpoint, &now.setpoint);
+                let faster = if after.velocity.abs() > before.velocity.abs() {
+                    now
+                } else {
+                    last
+                };
+                self.begin(last.time, faster, believe, why, false);
             }
         }
         let Some(due) = self.due else {
