@@ -215,6 +215,34 @@ fn a_host_that_stands_still_is_given_up_and_finds_all_that_came() {
 }
 
 #[test]
+fn a_host_that_does_not_read_is_told_how_many_frames_it_lost() {
+    let (mut bus, observed) = bus(1, |_| {});
+    bus.disturb(Disturbance::Babble {
+        what: Babble::Frame(frame(1)),
+        time: 500 * MILLISECOND,
+    });
+    pass(&mut bus, 500);
+    // More than 500 ms / 62 us; 4 MiB hold 5461.
+    let sent = observed.borrow().frames.len();
+    assert!(sent > 7_000, "{sent}");
+    let mut read = 0;
+    while let Some(received) = bus.receive(BusTime(0)).expect("up") {
+        assert!(matches!(received.event, Event::Frame(_)));
+        read += 1;
+    }
+    assert_eq!(read, 5_461);
+    pass(&mut bus, 100);
+    let received = bus
+        .receive(BusTime(0))
+        .expect("up")
+        .expect("the node speaks");
+    let lost = ErrorEvent::LostReception(Some((sent - read) as u32));
+    assert_eq!(received.event, Event::Error(lost));
+    let next = bus.receive(BusTime(0)).expect("up").expect("its frame");
+    assert!(matches!(next.event, Event::Frame(_)));
+}
+
+#[test]
 fn a_host_that_is_killed_gets_nothing_done_until_another_takes_over() {
     let mut host = Host::seeded(5);
     host.move_all();

@@ -28,20 +28,24 @@ fn frame(byte: u8) -> Frame {
     Frame::new(0x040, &[byte]).expect("a valid frame")
 }
 
-/// Goes on until the frame is through.
-fn until_sent(bus: &mut SimulatedBus, observed: &Rc<RefCell<Observed>>, frame: &Frame) {
-    for _ in 0..200_000 {
-        let is = |sent: &Transmission| sent.frame == *frame;
-        if observed.borrow().frames.iter().any(is) {
-            // Until the receivers have it.
-            let until = BusTime(bus.now().0 + 25);
-            bus.run(until);
+/// Goes on until something is so, bit by bit, for a second at most.
+fn go_on(bus: &mut SimulatedBus, is: impl Fn() -> bool) {
+    for _ in 0..1_000_000 {
+        if is() {
             return;
         }
         let until = BusTime(bus.now().0 + 1);
         bus.run(until);
     }
-    panic!("the frame never got through");
+    panic!("it never came to that");
+}
+
+/// Goes on until the frame is through, and the receivers have it.
+fn until_sent(bus: &mut SimulatedBus, observed: &Rc<RefCell<Observed>>, frame: &Frame) {
+    let is = |sent: &Transmission| sent.frame == *frame;
+    go_on(bus, || observed.borrow().frames.iter().any(is));
+    let until = BusTime(bus.now().0 + 25);
+    bus.run(until);
 }
 
 #[test]
@@ -51,10 +55,7 @@ fn a_corrupted_frame_is_destroyed_counted_and_sent_again() {
     bus.disturb(Disturbance::Corrupt { frames: 1 });
     bus.send(&frame(1)).expect("room");
     let start = bus.true_now();
-    while observed.borrow().destroyed.is_empty() {
-        let until = BusTime(bus.now().0 + 1);
-        bus.run(until);
-    }
+    go_on(&mut bus, || !observed.borrow().destroyed.is_empty());
     assert_eq!(counters(&bus, Station::Host), (8, 0));
     for node in 0..3 {
         assert_eq!(counters(&bus, Station::Node(node)), (0, 1));
@@ -170,10 +171,7 @@ fn a_doubled_frame_whose_sender_dies_is_missed_by_one() {
     bus.disturb(Disturbance::Double {
         receiver: Station::Host,
     });
-    while observed.borrow().destroyed.is_empty() {
-        let until = BusTime(bus.now().0 + 1);
-        bus.run(until);
-    }
+    go_on(&mut bus, || !observed.borrow().destroyed.is_empty());
     let destroyed = observed.borrow().destroyed[0];
     let Station::Node(node) = destroyed.sender else {
         panic!("only nodes have spoken");
@@ -236,10 +234,8 @@ fn on_a_busy_bus_each_frame_counts_once_for_the_way_back() {
     quiet(&mut bus, &observed);
     bus.disturb(Disturbance::Corrupt { frames: 32 });
     let until = |bus: &mut SimulatedBus, wanted: ErrorState| {
-        while observed.borrow().states.last().map(|state| state.2) != Some(wanted) {
-            let until = BusTime(bus.now().0 + 10);
-            bus.run(until);
-        }
+        let is = || observed.borrow().states.last().map(|state| state.2) == Some(wanted);
+        go_on(bus, is);
     };
     until(&mut bus, ErrorState::BusOff);
     bus.disturb(Disturbance::Babble {

@@ -136,6 +136,36 @@ fn a_frame_ends_where_its_sender_loses_its_power() {
 }
 
 #[test]
+fn what_a_node_had_to_send_is_lost_with_its_power() {
+    let (mut bus, observed) = bus(2, |_| {});
+    bus.run(BusTime(200_300));
+    let request = Command::IdentityRequest
+        .encode(AxisId::new(2).expect("in range").into())
+        .expect("no values");
+    bus.send(&request).expect("room");
+    bus.disturb_at(
+        BusTime(200_330),
+        Disturbance::Babble {
+            what: Babble::Frame(request),
+            time: Duration::from_millis(2),
+        },
+    );
+    bus.disturb_at(
+        BusTime(201_500),
+        Disturbance::CutPower {
+            node: 1,
+            time: Duration::from_millis(2),
+        },
+    );
+    bus.run(BusTime(300_000));
+    let observed = observed.borrow();
+    assert_eq!(observed.power.len(), 2);
+    let mut sent = observed.frames.iter();
+    let identity = |sent: &&Transmission| sent.frame.id() >> 6 == 29;
+    assert_eq!(sent.find(identity), None);
+}
+
+#[test]
 fn the_power_fails_in_the_middle_of_saving() {
     let (mut bus, observed) = bus(2, |_| {});
     bus.run(BusTime(100_000));
