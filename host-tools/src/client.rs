@@ -9,22 +9,28 @@
 //! | `known` | what is known of each axis from its reports |
 //! | `link` | waiting, the beacon, questions and answers |
 //! | `power` | hold, enable, disable, clear, stop |
+//! | `parameter` | parameters read, written, saved |
+//! | `assign` | ids given out by chip id |
 //! | `request` | what can be asked for |
 //! | `plan` | each axis's part of a move, checked before anything is sent |
 //! | `movement` | synchronised moves |
 //! | `error` | what can go wrong |
 
+mod assign;
 mod error;
 mod known;
 mod link;
 mod movement;
+mod parameter;
 mod plan;
 mod power;
 mod request;
 
+pub use assign::{ChipId, ChipIdError};
 pub use error::ClientError;
 pub use known::{KnownAxis, KnownNode};
 pub use movement::{Arrival, Progress};
+pub use parameter::{Change, Reading};
 pub(crate) use plan::RANGE_MARGIN;
 pub use request::{Goal, MoveRequest, Overrides, Target};
 

@@ -8,6 +8,7 @@
 //! | [`client`] | a commander of axes: finds, holds, moves, stops |
 //! | [`node`] | axis nodes in a host process |
 //! | [`robot`] | the robot file |
+//! | [`parameter_file`] | parameters in a file |
 //! | [`profile`] | moves of one axis offline: planned, compared, drawn |
 //! | [`notation`] | how people write axes and quantities |
 //! | [`demo`] | the demonstration |
@@ -21,6 +22,7 @@ pub mod demo;
 pub mod log;
 pub mod node;
 pub mod notation;
+pub mod parameter_file;
 pub mod plot;
 pub mod profile;
 pub mod robot;

@@ -1,20 +1,23 @@
 //! Axis nodes in a host process, in real time, from the firmware's own core.
 
+mod file_flash;
+mod store;
 mod trace;
 
+pub use store::{StoreFile, StoreFileError};
 pub use trace::{Trace, TraceError};
 
 use crate::bus::{Bus, BusError, ErrorEvent, Event};
 use crate::robot::Robot;
 use canter_shared::drive::simulated::Simulated;
-use canter_shared::motion::shaping::ShapingError;
 use canter_shared::node::{Board, BusEvent, Identity, Node, NodeError};
 use canter_shared::time::{BusTime, LocalTime};
 use canter_shared::units::Position;
-use canter_shared::wire::id::{AxisId, LAST_AXIS};
+use canter_shared::wire::id::AxisId;
 use std::collections::hash_map::RandomState;
 use std::hash::{BuildHasher, Hasher};
 use std::sync::atomic::{AtomicBool, Ordering};
+use store::Kept;
 
 /// Frames taken in a row before the tick is looked at again.
 const FRAMES_IN_A_ROW: usize = 64;
@@ -28,9 +31,9 @@ pub enum HostNodeError {
     /// The axes cannot be what was asked for.
     #[error(transparent)]
     Node(#[from] NodeError),
-    /// An axis's setpoints cannot be shaped as the robot file says.
+    /// The store keeps something else.
     #[error(transparent)]
-    Shaper(#[from] ShapingError),
+    Store(#[from] StoreFileError),
     /// The trace cannot be written.
     #[error(transparent)]
     Trace(#[from] TraceError),
@@ -49,7 +52,7 @@ pub struct Summary {
     pub unsent: u64,
 }
 
-type HostNode = Node<Simulated, { LAST_AXIS as usize }>;
+type HostNode = Node<Simulated, { store::AXES }>;
 
 /// A chip id that no other process has: two nodes with one axis id must be told apart.
 fn chip() -> [u8; 12] {
@@ -61,6 +64,54 @@ fn chip() -> [u8; 12] {
     chip
 }
 
+/// Where the parameters of a node come from, and where they are kept.
+#[derive(Debug, Clone, Copy)]
+pub struct Origin<'run> {
+    /// What the axes are, where nothing is kept.
+    pub robot: &'run Robot,
+    /// Where it is kept; without it, a save is kept as long as the process lives.
+    pub store: Option<&'run StoreFile>,
+}
+
+/// A node with its axes: those that the store keeps, with the ids that it keeps, or else `axes`.
+fn assemble(axes: &[AxisId], origin: Origin<'_>) -> Result<Box<HostNode>, HostNodeError> {
+    // On the heap: room for all axes is too much for a stack.
+    let mut node: Box<HostNode> = Box::new(Node::new(Identity {
+        chip: chip(),
+        firmware: crate::version(),
+        board: Board::Host,
+    }));
+    let of_robot = axes.iter().map(|axis| (*axis, origin.robot.values(*axis)));
+    let axes: Vec<_> = match origin.store.map(StoreFile::kept) {
+        Some(Kept::Axes(kept)) => kept.clone(),
+        Some(Kept::Lost | Kept::Nothing) | None => of_robot.collect(),
+    };
+    for (axis, values) in &axes {
+        node.add_axis_with_values(*axis, values, Simulated::new(Position::ZERO))?;
+    }
+    if origin
+        .store
+        .is_some_and(|store| *store.kept() == Kept::Lost)
+    {
+        node.lose_parameters();
+    }
+    Ok(node)
+}
+
+/// The axes that a node is going to have.
+///
+/// # Errors
+/// The store keeps another number of them than `axes` names.
+pub fn axes_of(axes: &[AxisId], store: Option<&StoreFile>) -> Result<Vec<AxisId>, StoreFileError> {
+    match store.map(|store| (store, store.kept())) {
+        Some((store, Kept::Axes(kept))) if kept.len() != axes.len() => {
+            Err(store.wrong_count(kept.len(), axes.len()))
+        }
+        Some((_, Kept::Axes(kept))) => Ok(kept.iter().map(|(axis, _)| *axis).collect()),
+        _ => Ok(axes.to_vec()),
+    }
+}
+
 /// Runs nodes for `axes` on `bus` until `stop` is set.
 ///
 /// # Errors
@@ -68,24 +119,16 @@ fn chip() -> [u8; 12] {
 pub fn run(
     bus: &mut impl Bus,
     axes: &[AxisId],
-    robot: &Robot,
+    origin: Origin<'_>,
     mut trace: Option<Trace>,
     stop: &AtomicBool,
 ) -> Result<Summary, HostNodeError> {
-    // On the heap: room for all axes is too much for a stack.
-    let mut node: Box<HostNode> = Box::new(Node::new(Identity {
-        chip: chip(),
-        firmware: crate::version(),
-        board: Board::Host,
-    }));
-    for axis in axes {
-        let drive = Simulated::new(Position::ZERO);
-        node.add_axis(*axis, robot.limits(*axis), drive)?;
-        node.shape(*axis, robot.shaping(*axis))?;
-    }
+    axes_of(axes, origin.store)?;
+    let mut node = assemble(axes, origin)?;
     let mut summary = Summary::default();
     while !stop.load(Ordering::Relaxed) {
         run_due_ticks(&mut node, bus, &mut trace, &mut summary)?;
+        save(&mut node, origin.store);
         transmit(&mut node, bus, &mut summary)?;
         // The node's clock is the bus's own: its local time is what the bus shows.
         let mut until = BusTime(node.next_tick().0);
@@ -134,6 +177,22 @@ fn run_due_ticks(
             trace.write(setpoints)?;
         }
         node.plan();
+    }
+}
+
+/// Hands over what is to be saved, and takes back what has been.
+fn save(node: &mut HostNode, store: Option<&StoreFile>) {
+    if let Some(image) = node.take_save() {
+        let begun = store.map(|store| store.save(image.clone()));
+        match begun {
+            Some(true) => {}
+            Some(false) => node.saved(&image, false),
+            // It outlives nothing, and neither does the process.
+            None => node.saved(&image, true),
+        }
+    }
+    while let Some((image, kept)) = store.and_then(StoreFile::finished) {
+        node.saved(&image, kept);
     }
 }
 

@@ -18,6 +18,7 @@
 
 use canter_shared::limits::{DEFAULT_VALUES, LimitError, LimitValues, Limits};
 use canter_shared::motion::shaping::{ShaperKind, Shaping, ShapingError};
+use canter_shared::parameter::{Parameter, Values};
 use canter_shared::wire::id::{AxisId, LAST_AXIS};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -30,10 +31,21 @@ pub const DEFAULT_AXES: u8 = 12;
 pub struct RobotAxis {
     /// Its number on the bus.
     pub id: AxisId,
+    /// Its parameters.
+    pub values: Values,
+}
+
+impl RobotAxis {
+    /// An axis as it comes from the factory.
+    pub fn new(id: AxisId) -> Self {
+        let values = Values::defaults(id.get());
+        Self { id, values }
+    }
+
     /// What it may do.
-    pub limits: Limits,
-    /// What its setpoints are shaped for.
-    pub shaping: Option<Shaping>,
+    pub fn limits(&self) -> Limits {
+        self.values.settings().limits
+    }
 }
 
 /// A robot: its axes in the order of the file.
@@ -153,20 +165,42 @@ struct FileLimits {
 }
 
 impl FileLimits {
-    fn values(&self) -> LimitValues {
+    /// The parameters that are meant: the nearest steps, so that host and node mean the same.
+    fn values(&self, id: AxisId) -> Result<Values, LimitError> {
         let default = DEFAULT_VALUES;
-        LimitValues {
+        // Refused by name and as written, before anything is rounded.
+        Limits::new(&LimitValues {
             velocity: self.velocity.unwrap_or(default.velocity),
             acceleration: self.acceleration.unwrap_or(default.acceleration),
             deceleration: self.deceleration.unwrap_or(default.deceleration),
             jerk: self.jerk.unwrap_or(default.jerk),
             position_minimum: self.position_min.unwrap_or(default.position_minimum),
             position_maximum: self.position_max.unwrap_or(default.position_maximum),
+        })?;
+        let mut values = Values::defaults(id.get());
+        for (parameter, value) in [
+            (Parameter::VelocityLimit, self.velocity),
+            (Parameter::AccelerationLimit, self.acceleration),
+            (Parameter::DecelerationLimit, self.deceleration),
+            (Parameter::JerkLimit, self.jerk),
+            (Parameter::PositionMinimum, self.position_min),
+            (Parameter::PositionMaximum, self.position_max),
+        ] {
+            let raw = value.and_then(|value| parameter.nearest(value));
+            if let Some((changed, _)) = raw.and_then(|raw| values.with(parameter, raw).ok()) {
+                values = changed;
+            }
         }
+        Ok(values)
     }
 }
 
 impl Robot {
+    /// A robot of these axes.
+    pub fn of(axes: Vec<RobotAxis>) -> Self {
+        Self { axes }
+    }
+
     /// Reads a robot file.
     ///
     /// # Errors
@@ -201,25 +235,20 @@ impl Robot {
                     path: path(),
                     id: *number,
                 })?;
-            let limits = Limits::new(&limits.values()).map_err(|source| RobotError::Limit {
+            let values = limits.values(id).map_err(|source| RobotError::Limit {
                 path: path(),
                 id: *number,
                 source,
             })?;
-            let shaping = shaper
+            let values = shaper
                 .as_ref()
-                .map(FileShaper::shaping)
-                .transpose()
+                .map_or(Ok(values), |shaper| values.shaped(Some(&shaper.shaping()?)))
                 .map_err(|source| RobotError::Shaper {
                     path: path(),
                     id: *number,
                     source,
                 })?;
-            axes.push(RobotAxis {
-                id,
-                limits,
-                shaping,
-            });
+            axes.push(RobotAxis { id, values });
         }
         Ok(Self { axes })
     }
@@ -233,15 +262,20 @@ impl Robot {
         self.axes.iter().find(|axis| axis.id == id)
     }
 
+    /// The parameters of an axis: the defaults where the robot does not name it.
+    pub fn values(&self, id: AxisId) -> Values {
+        self.axis(id)
+            .map_or_else(|| Values::defaults(id.get()), |axis| axis.values)
+    }
+
     /// What an axis may do: the defaults where the robot does not name it.
     pub fn limits(&self, id: AxisId) -> Limits {
-        self.axis(id)
-            .map_or_else(Limits::default, |axis| axis.limits)
+        self.values(id).settings().limits
     }
 
     /// What an axis's setpoints are shaped for, if anything.
-    pub fn shaping(&self, id: AxisId) -> Option<&Shaping> {
-        self.axis(id)?.shaping.as_ref()
+    pub fn shaping(&self, id: AxisId) -> Option<Shaping> {
+        self.values(id).settings().shaping
     }
 }
 
@@ -250,11 +284,7 @@ impl Default for Robot {
     fn default() -> Self {
         let axes = (1..=DEFAULT_AXES)
             .filter_map(AxisId::new)
-            .map(|id| RobotAxis {
-                id,
-                limits: Limits::default(),
-                shaping: None,
-            })
+            .map(RobotAxis::new)
             .collect();
         Self { axes }
     }
@@ -274,6 +304,23 @@ mod tests {
         let id = AxisId::new(3).expect("in range");
         assert!((robot.limits(id).velocity().radians() - 5.0).abs() < 1e-8);
         assert_eq!(robot.axes().len(), 1);
+    }
+
+    /// A node that gets the file's parameters has the limits that the host plans with.
+    #[test]
+    fn limits_of_a_file_are_those_of_a_node() {
+        let robot = parse(
+            "[[axis]]\nid = 3\n[axis.limits]\nvelocity = 5.123456789123\njerk = 1234.56789\n\
+             position_max = 3.141592653589793\n[axis.shaper]\nkind = \"zvd\"\nfrequency = 7.77777777\n",
+        )
+        .expect("valid");
+        let id = AxisId::new(3).expect("in range");
+        let settings = robot.values(id).settings();
+        assert_eq!(robot.limits(id), settings.limits);
+        assert_eq!(robot.shaping(id), settings.shaping);
+        assert_eq!(robot.axes()[0].limits(), settings.limits);
+        let position = Parameter::PositionMaximum;
+        assert_eq!(robot.values(id).get(position), 3_141_592_654);
     }
 
     #[test]

@@ -331,6 +331,7 @@ impl SimulatedBus {
                         observer.setpoint(now, &setpoint);
                     }
                 }
+                Step::Saved => {}
                 Step::Started => observer.power(now, node, true),
             }
         }

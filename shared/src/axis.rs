@@ -52,6 +52,7 @@ use crate::wire::report::Report;
 use commander::Commander;
 use course::Course;
 use fault::Fault;
+use parameters::Saving;
 use planning::Planning;
 pub use planning::{FinishedPlan, Plan};
 use prepared::Prepared;
@@ -99,6 +100,8 @@ enum Reply {
     Given(Report),
     /// Nothing yet: the answer comes when the job of this number is done.
     Waits(u32),
+    /// Nothing yet: the answer comes when the save of this command's number is done.
+    Saves(u8),
 }
 
 /// A move whose start is still to be reported.
@@ -115,6 +118,9 @@ pub struct Axis {
     /// The parameters as they were set, and what they mean.
     values: Values,
     settings: Settings,
+    /// The values that it will have after a loss of power.
+    saved: Values,
+    saving: Option<Saving>,
     state: State,
     fault: Option<Fault>,
     /// When the state was entered.
@@ -140,12 +146,23 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// An axis that waits for the first word from its drive.
+    /// An axis with these limits and the other parameters' defaults: see [`Values::of_limits`].
     pub fn new(id: AxisId, limits: Limits) -> Self {
+        Self::with_values(id, &Values::of_limits(id.get(), &limits))
+    }
+
+    /// An axis that waits for the first word from its drive.
+    pub fn with_values(id: AxisId, values: &Values) -> Self {
+        let settings = values.settings();
+        let mut shaper = Shaper::none();
+        // A new one stands, so there is no error to look at.
+        let _ = shaper.change(settings.shaping.as_ref());
         Self {
             id,
-            values: Values::defaults(id.get()),
-            settings: Settings::new(id.get(), limits),
+            values: *values,
+            settings,
+            saved: *values,
+            saving: None,
             state: State::NotReadyToSwitchOn,
             fault: None,
             since: Tick(0),
@@ -159,7 +176,7 @@ impl Axis {
             commander: Commander::default(),
             staged: None,
             prepared: Prepared::default(),
-            shaper: Shaper::none(),
+            shaper,
             departure: None,
             last_command: None,
             last_trigger: None,
@@ -209,14 +226,14 @@ impl Axis {
     /// then arrive later, by the shaper's delay.
     ///
     /// # Errors
-    /// [`ShapingError::Moving`] unless the axis is at rest and nothing is about to move it.
+    /// [`ShapingError::Moving`] unless the axis is at rest and nothing is about to move it; a shaper
+    /// that its parameters, which go in steps, cannot hold.
     pub fn shape(&mut self, shaping: Option<&Shaping>) -> Result<(), ShapingError> {
         if self.is_moving() {
             return Err(ShapingError::Moving);
         }
-        // It did not follow what it did not shape.
-        self.shaper.reset(self.setpoint.position);
-        self.shaper.change(shaping)
+        let values = self.values.shaped(shaping)?;
+        self.take_values(&values)
     }
 
     fn shapes(&self) -> bool {
@@ -262,7 +279,7 @@ impl Axis {
             self.departure = None;
             self.telemetry.started(departure.sequence, now);
         }
-        self.telemetry.tick(tick);
+        self.telemetry.tick(tick, &self.settings);
         self.setpoint
     }
 

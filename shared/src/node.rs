@@ -6,6 +6,7 @@
 //! a frame arrived        handle_frame(now, &frame), plan, then drain poll_transmit
 //! at next_tick()         tick(now) -> setpoints, plan, then drain poll_transmit
 //! the bus had an error   count(event)
+//! take_save() gives      write the image to the store, then saved(&image, ...)
 //! ```
 //!
 //! Frames and ticks are quick; planning is not. An owner that does one thing at a time calls
@@ -14,6 +15,14 @@
 //!
 //! Ticks are whole milliseconds of bus time, so the ticks of all nodes on a bus coincide, and a
 //! tick that runs late still gives the setpoint of its own instant.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `assign` | an axis gets another id, by the chip's |
+//! | `save` | parameters on their way to the store |
+
+mod assign;
+mod save;
 
 use crate::axis::state::State;
 use crate::axis::{Axis, FinishedPlan, Outcome, Plan};
@@ -21,10 +30,11 @@ use crate::drive::Drive;
 use crate::limits::Limits;
 use crate::motion::Setpoint;
 use crate::motion::shaping::{Shaping, ShapingError};
+use crate::parameter::Values;
 use crate::time::bus_clock::{BusClock, Discipline};
 use crate::time::{BusTime, LocalTime, Tick, Ticks};
 use crate::wire::PROTOCOL_VERSION;
-use crate::wire::command::Command;
+use crate::wire::command::{Action, Command};
 use crate::wire::frame::Frame;
 use crate::wire::id::{Address, AxisId};
 pub use crate::wire::report::Board;
@@ -111,6 +121,7 @@ pub struct Node<D, const AXES: usize> {
     setpoints: Vec<AxisSetpoint, AXES>,
     /// The place of the axis whose plan was taken last.
     planned: usize,
+    assignment: assign::Assignment,
 }
 
 impl<D: Drive, const AXES: usize> Node<D, AXES> {
@@ -123,19 +134,33 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
             slots: Vec::new(),
             setpoints: Vec::new(),
             planned: 0,
+            assignment: assign::Assignment::default(),
         }
     }
 
-    /// Adds an axis.
+    /// Adds an axis with these limits and the other parameters' defaults: see [`Axis::new`].
     ///
     /// # Errors
     /// No room, or an axis of that id already.
     pub fn add_axis(&mut self, axis: AxisId, limits: Limits, drive: D) -> Result<(), NodeError> {
-        if self.slots.iter().any(|slot| slot.axis.id() == axis) {
+        self.add_axis_with_values(axis, &Values::of_limits(axis.get(), &limits), drive)
+    }
+
+    /// Adds an axis with these parameters.
+    ///
+    /// # Errors
+    /// No room, or an axis of that id already.
+    pub fn add_axis_with_values(
+        &mut self,
+        axis: AxisId,
+        values: &Values,
+        drive: D,
+    ) -> Result<(), NodeError> {
+        if self.has_axis(axis) {
             return Err(NodeError::Doubled { axis });
         }
         let slot = Slot {
-            axis: Axis::new(axis, limits),
+            axis: Axis::with_values(axis, values),
             drive,
             identity: IdentityPart::COUNT,
         };
@@ -154,6 +179,10 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
             Some(slot) => slot.axis.shape(shaping),
             None => Ok(()),
         }
+    }
+
+    fn has_axis(&self, axis: AxisId) -> bool {
+        self.slots.iter().any(|slot| slot.axis.id() == axis)
     }
 
     /// The axes of the node.
@@ -181,6 +210,10 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
             self.synchronise(now, time);
             return;
         }
+        if let Command::Assign(part) = command {
+            self.assign(part);
+            return;
+        }
         let bus_time = self.clock.bus_time(now);
         for slot in &mut self.slots {
             if !address.includes(slot.axis.id()) {
@@ -195,6 +228,13 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
             if address != Address::All {
                 break;
             }
+        }
+        if let Command::Control {
+            action: Action::Save,
+            ..
+        } = command
+        {
+            self.refuse_saves_while_driving();
         }
     }
 

@@ -5,11 +5,15 @@
 //! | `table` | every parameter: name, unit, range, default, when it may change |
 //! | `values` | one axis's raw values |
 //! | `settings` | what they mean, checked against each other |
+//! | `store` | how they outlive a loss of power |
+//! | `flash` | a flash in memory |
 //!
 //! A raw value is a whole number; the value that is meant is `raw / per_unit` in the parameter's
 //! unit. So what a person writes with a few decimals is kept exactly, and comes back as written.
 
+pub mod flash;
 mod settings;
+pub mod store;
 mod table;
 mod values;
 

@@ -4,6 +4,7 @@
 
 /// Here so that the files lie in a folder of their own.
 mod axis {
+    mod assign;
     mod bench;
     mod clock;
     mod commander;
@@ -11,14 +12,17 @@ mod axis {
     mod host;
     mod lateness;
     mod node_bench;
+    mod parameters;
     mod planner;
     mod planning;
     mod random;
     mod s_curve;
+    mod saving;
     mod sequence;
     mod shaping;
     mod stop;
     mod telemetry;
+    mod three;
     mod trapezoid;
     mod trigger;
     mod turns;

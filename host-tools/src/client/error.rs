@@ -1,9 +1,11 @@
 //! What can go wrong between a host and its axes.
 
+use super::assign::ChipId;
 use crate::bus::BusError;
 use canter_shared::axis::fault::Fault;
 use canter_shared::axis::state::State;
 use canter_shared::limits::LimitError;
+use canter_shared::parameter::{Parameter, ParameterError};
 use canter_shared::units::UnitError;
 use canter_shared::wire::FieldError;
 use canter_shared::wire::id::{AxisId, Function};
@@ -167,6 +169,49 @@ pub enum ClientError {
     /// A limit is out of range.
     #[error(transparent)]
     Limit(#[from] LimitError),
+    /// A value is outside a parameter's range, or contradicts another one.
+    #[error("axis {axis}: {source}")]
+    Parameter {
+        /// Which axis.
+        axis: AxisId,
+        /// Which parameter, and its range.
+        source: ParameterError,
+    },
+    /// A parameter may not change now.
+    #[error(
+        "{} of axis {axis} changes only while the axis is disabled, and it is {state}: \
+         run `canter disable {axis}` first", .parameter.entry().name
+    )]
+    ChangesDisabled {
+        /// Which axis.
+        axis: AxisId,
+        /// Which parameter.
+        parameter: Parameter,
+        /// What the axis is instead.
+        state: State,
+    },
+    /// No node of that chip answers.
+    #[error("no node with the chip {chip} answers on {bus}: `canter scan` lists the chips that do")]
+    NoChip {
+        /// Which chip.
+        chip: ChipId,
+        /// On which bus.
+        bus: String,
+    },
+    /// A chip has several axes.
+    #[error("the chip {chip} has the axes {axes}: say which one, as {chip}/OLD=NEW")]
+    WhichAxis {
+        /// Which chip.
+        chip: ChipId,
+        /// Its axes.
+        axes: String,
+    },
+    /// An id is in use.
+    #[error("axis {axis} is there already: choose an id that `canter scan` does not list")]
+    IdInUse {
+        /// The id.
+        axis: AxisId,
+    },
     /// A quantity is out of range.
     #[error("axis {axis}: {source}")]
     Quantity {
@@ -194,6 +239,16 @@ fn refusal(reason: Reason, detail: u32) -> String {
         Reason::HeldByOther => format!("session {detail:#06x} holds the axis; {cure}"),
         Reason::FaultLatched => match Fault::try_from(detail as u8) {
             Ok(fault) => format!("the fault {} is latched; {}", fault.name(), fault.cure()),
+            Err(_) => format!("{meaning}; {cure}"),
+        },
+        Reason::OutOfRange | Reason::UnknownParameter => match Parameter::try_from(detail as u8) {
+            Ok(parameter) => format!("{}: {meaning}; {cure}", parameter.entry().name),
+            Err(_) => format!("{meaning}; {cure}"),
+        },
+        Reason::NotDisabled => match State::try_from(detail as u8) {
+            Ok(state) => {
+                format!("{meaning}, and it or another axis of its node is {state}; {cure}")
+            }
             Err(_) => format!("{meaning}; {cure}"),
         },
         Reason::TooFast => format!("{meaning}; allow {} s or more", f64::from(detail) / 1e3),

@@ -10,6 +10,9 @@ use canter_shared::wire::command::Session;
 use canter_shared::wire::id::{AxisId, Function};
 use canter_shared::wire::reason::Reason;
 use canter_shared::wire::report::{Board, IdentityPart, Report};
+use std::collections::BTreeMap;
+
+use super::assign::ChipId;
 
 /// An answer that an axis gave.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,6 +43,8 @@ pub struct KnownAxis {
     /// When it was last heard.
     pub heard: BusTime,
     pub(super) answers: Vec<Answer>,
+    /// What it said about its parameters, raw, by number and by what was asked.
+    pub(super) parameters: BTreeMap<(u8, u8), i64>,
     /// The last move that it reported to have begun.
     pub(super) started: Option<(u8, BusTime)>,
     /// Feedback frames heard: tells a fresh one from an old one.
@@ -100,7 +105,14 @@ impl KnownAxis {
                     rejected,
                 };
             }
-            Report::Identity(_) | Report::Parameter { .. } => {}
+            Report::Parameter {
+                parameter,
+                item,
+                value,
+            } => {
+                self.parameters.insert((parameter, item.into()), value);
+            }
+            Report::Identity(_) => {}
         }
     }
 }
@@ -149,9 +161,26 @@ impl KnownNode {
 
     /// The chip's id in hexadecimal, where it was heard whole.
     pub fn chip(&self) -> Option<String> {
+        self.chips().first().map(ChipId::to_string)
+    }
+
+    /// The ids of the chips that answered, several where they share an axis id by mistake: halves
+    /// belong together in the order in which they came.
+    pub fn chips(&self) -> Vec<ChipId> {
         let [first, last] = &self.chips;
-        let bytes = first.first()?.iter().chain(last.first()?);
-        Some(bytes.map(|byte| format!("{byte:02x}")).collect())
+        let count = if first.is_empty() || last.is_empty() {
+            0
+        } else {
+            first.len().max(last.len())
+        };
+        let halves = first.iter().cycle().zip(last.iter().cycle());
+        halves
+            .take(count)
+            .map(|(first, last)| ChipId {
+                first: *first,
+                last: *last,
+            })
+            .collect()
     }
 
     /// Whether more than one node answered with this axis id.

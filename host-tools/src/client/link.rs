@@ -28,10 +28,10 @@ const HEARTBEAT_PERIOD: u64 = 50 * MILLISECOND;
 
 /// How long an answer may take before the question is asked again: a node answers within its
 /// tick, but a serial adapter or a busy host may take tens of milliseconds.
-const ANSWER_TIME: u64 = 60 * MILLISECOND;
+pub(super) const ANSWER_TIME: u64 = 60 * MILLISECOND;
 
 /// How often a question is asked.
-const ATTEMPTS: u32 = 5;
+pub(super) const ATTEMPTS: u32 = 5;
 
 /// How long axes are listened for: their heartbeats come every 100 ms.
 const LISTEN: u64 = 250 * MILLISECOND;
@@ -182,12 +182,22 @@ impl<B: Bus> Client<B> {
         sequence: u8,
         questions: &[(AxisId, Command)],
     ) -> Result<Vec<Reply>, ClientError> {
+        self.ask_again_and_again(sequence, questions, ATTEMPTS)
+    }
+
+    /// The same with so many attempts: a node may be given longer for what takes longer.
+    pub(super) fn ask_again_and_again(
+        &mut self,
+        sequence: u8,
+        questions: &[(AxisId, Command)],
+        attempts: u32,
+    ) -> Result<Vec<Reply>, ClientError> {
         for (axis, _) in questions {
             if let Some(known) = self.axes.get_mut(axis) {
                 known.answers.clear();
             }
         }
-        for _ in 0..ATTEMPTS {
+        for _ in 0..attempts {
             for (axis, command) in questions {
                 if answer_of(&self.axes, *axis, sequence, command).is_none() {
                     self.tell((*axis).into(), *command)?;
@@ -228,6 +238,14 @@ impl<B: Bus> Client<B> {
         questions: &[(AxisId, Command)],
     ) -> Result<(), ClientError> {
         let replies = self.ask(sequence, questions)?;
+        Self::all_accepted(replies, questions)
+    }
+
+    /// The first refusal as an error.
+    pub(super) fn all_accepted(
+        replies: Vec<Reply>,
+        questions: &[(AxisId, Command)],
+    ) -> Result<(), ClientError> {
         for (reply, (_, command)) in replies.into_iter().zip(questions) {
             if reply.reason != Reason::Accepted {
                 return Err(reply.refusal(command.function()));

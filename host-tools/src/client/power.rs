@@ -68,7 +68,7 @@ impl<B: Bus> Client<B> {
         Ok(())
     }
 
-    fn control(
+    pub(super) fn control(
         &mut self,
         action: Action,
         sequence: u8,

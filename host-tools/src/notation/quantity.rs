@@ -94,6 +94,12 @@ pub fn rate(text: &str) -> Result<f64, QuantityError> {
     positive(text, what, value)
 }
 
+/// The same of any sign, with the unit's own ending such as `/s^2` or none behind it.
+pub(super) fn angle_or_rate(text: &str, ending: &str) -> Result<f64, QuantityError> {
+    let bare = text.strip_suffix(ending).unwrap_or(text);
+    parse(text, bare, "value", "`1.5`, `90deg` or `0.25turn`")
+}
+
 /// A duration in seconds, more than zero; `s` or `ms` may stand behind.
 ///
 /// # Errors

@@ -8,14 +8,15 @@ use std::time::Duration;
 use canter_shared::axis::Axis;
 use canter_shared::drive::{Drive, DriveReport};
 use canter_shared::node::{AxisSetpoint, Board, BusEvent, Identity, Node};
+use canter_shared::parameter::store::{Image, Loaded, Store};
 use canter_shared::time::{BusTime, LocalTime};
 use canter_shared::wire::frame::Frame;
-use canter_shared::wire::id::{Address, Function};
+use canter_shared::wire::id::{Address, AxisId, Function};
 
 use super::clock::{Crystal, TrueTime};
 use super::controller::Controller;
 use super::disturbance::DriveTrouble;
-use super::flash::SimulatedFlash;
+use super::flash::{PAGE, SimulatedFlash};
 use super::plant::{Plant, PlantModel, PlantState, Servo};
 use super::random::SplitMix64;
 use super::station::Station;
@@ -31,8 +32,24 @@ pub(super) const SEND_QUEUE: usize = 3;
 /// Pages of the flash: one for each of the two slots that parameters are kept in.
 const FLASH_PAGES: usize = 2;
 
+/// Bytes of each.
+const SLOT: u32 = PAGE as u32;
+
+const _: () = assert!(Store::<SimulatedFlash>::needed(1) <= SLOT as usize);
+
+/// How long a save takes, in nanoseconds: 22 ms to erase a page, and 80 us for each of some 30 words.
+const SAVE: u64 = 25_000_000;
+
 /// Nanoseconds of a tick.
 const TICK: u64 = 1_000_000;
+
+/// Parameters that have been written, or not, while the node does not know it yet.
+#[derive(Debug)]
+struct Save {
+    done: TrueTime,
+    image: Image<1>,
+    kept: bool,
+}
 
 /// A frame on its way from the controller to the core.
 #[derive(Debug, Clone, Copy)]
@@ -48,6 +65,8 @@ pub(super) enum Step {
     Frame(Station, Frame),
     /// It ticked.
     Tick(AxisSetpoint),
+    /// It heard that its parameters are saved, or are not.
+    Saved,
     /// It has power again.
     Started,
 }
@@ -60,6 +79,7 @@ pub(super) struct Device {
     crystal: Crystal,
     plant: Rc<RefCell<Plant>>,
     flash: SimulatedFlash,
+    save: Option<Save>,
     /// For how long the power is cut when the flash says so.
     saving: Option<Duration>,
     /// Frames that were received and not yet looked at, in order.
@@ -84,7 +104,7 @@ impl Device {
             bytes.copy_from_slice(&(random.next() as u32).to_le_bytes());
         }
         let crystal = Crystal::new(random, crystal_ppm);
-        let fitting = PlantModel::fitting(&axis.limits);
+        let fitting = PlantModel::fitting(&axis.limits());
         let mut device = Self {
             axis: *axis,
             identity: Identity {
@@ -96,6 +116,7 @@ impl Device {
             crystal,
             plant: Rc::new(RefCell::new(Plant::new(plant.unwrap_or(&fitting)))),
             flash: SimulatedFlash::new(FLASH_PAGES, crystal.seed()),
+            save: None,
             saving: None,
             inbox: VecDeque::with_capacity(RECEIVE_QUEUE),
             busy_until: TrueTime::default(),
@@ -109,16 +130,30 @@ impl Device {
 
     /// A node as it comes out of a reset.
     fn boot(&mut self) {
+        self.flash.restore();
+        let loaded = Store::new(&mut self.flash, 0, SLOT).load::<1>();
+        let lost = loaded == Loaded::Lost;
+        // Without a save it is as the robot file says.
+        let mut axis = self.axis;
+        if let Loaded::Image(image) = loaded
+            && let Some(stored) = image.first()
+            && let Some(id) = AxisId::new(stored.axis)
+        {
+            axis = RobotAxis {
+                id,
+                values: stored.values,
+            };
+        }
         let mut node = Node::new(self.identity);
         let servo = Servo(Rc::clone(&self.plant));
-        node.add_axis(self.axis.id, self.axis.limits, servo)
+        node.add_axis_with_values(axis.id, &axis.values, servo)
             .expect("a node with room for one axis takes one");
-        node.shape(self.axis.id, self.axis.shaping.as_ref())
-            .expect("a new axis rests");
+        if lost {
+            node.lose_parameters();
+        }
         let due = node.next_tick();
         self.next_tick = (due, self.crystal.when(due));
         self.node = Some(node);
-        self.flash.restore();
     }
 
     /// The power is gone until `until`.
@@ -127,6 +162,7 @@ impl Device {
             Some(_) => (now, until),
             None => (self.off.0, self.off.1.max(until)),
         };
+        self.save = None;
         self.saving = None;
         self.inbox.clear();
         self.busy_until = TrueTime::default();
@@ -169,19 +205,28 @@ impl Device {
         if self.node.is_none() {
             return self.off.1;
         }
-        match self.inbox.front() {
-            Some(arrival) => arrival.time.max(self.busy_until).min(self.next_tick.1),
-            None => self.next_tick.1,
+        let mut due = self.next_tick.1;
+        if let Some(arrival) = self.inbox.front() {
+            due = due.min(arrival.time.max(self.busy_until));
         }
+        if let Some(save) = &self.save {
+            due = due.min(save.done);
+        }
+        due
     }
 
-    /// Does the one thing that is due at `now`: a frame before a tick.
+    /// Does the one thing that is due at `now`: a save's end before a frame, and that before a tick.
     pub(super) fn step(&mut self, now: TrueTime, controller: &mut Controller) -> Step {
         let Some(node) = &mut self.node else {
             self.start(now);
             controller.power_on(now);
             return Step::Started;
         };
+        if let Some(save) = self.save.take_if(|save| save.done <= now) {
+            node.saved(&save.image, save.kept);
+            self.refill(now, controller);
+            return Step::Saved;
+        }
         let local = self.crystal.local(now);
         let may_look = self.busy_until <= now;
         let arrival = self
@@ -199,6 +244,13 @@ impl Device {
             }
         };
         node.plan();
+        if self.save.is_none()
+            && let Some(image) = node.take_save()
+        {
+            let kept = Store::new(&mut self.flash, 0, SLOT).save(&image).is_ok();
+            let done = now.after(SAVE);
+            self.save = Some(Save { done, image, kept });
+        }
         self.refill(now, controller);
         step
     }

@@ -7,6 +7,7 @@ mod observed;
 mod plant;
 mod power;
 mod robot;
+mod saving;
 mod wire;
 
 use std::cell::RefCell;

@@ -25,6 +25,8 @@ enum Done {
     Now(u32),
     /// The job of this number is to be planned.
     Planning(u32),
+    /// The owner of the node is to save.
+    Saving,
 }
 
 impl Axis {
@@ -130,6 +132,7 @@ impl Axis {
     ) -> (Reply, Outcome) {
         let answer = match execute(self) {
             Ok(Done::Planning(number)) => return (Reply::Waits(number), Outcome::Planning),
+            Ok(Done::Saving) => return (Reply::Saves(sequence), Outcome::Accepted),
             Ok(Done::Now(detail)) => Ok(detail),
             Err(refusal) => Err(refusal),
         };
@@ -146,7 +149,7 @@ impl Axis {
         Outcome::Repeated
     }
 
-    pub(super) fn answer(
+    pub(crate) fn answer(
         &mut self,
         function: Function,
         sequence: u8,
@@ -166,6 +169,11 @@ impl Axis {
     fn execute(&mut self, command: Command) -> Result<Done, Refusal> {
         let function = command.function();
         match command {
+            Command::Control {
+                action: Action::Save,
+                sequence,
+                ..
+            } => self.want_save(sequence).map(|()| Done::Saving),
             Command::Control { action, .. } => self.control(action).map(Done::Now),
             Command::TrapezoidShape {
                 acceleration,
@@ -330,8 +338,9 @@ impl Axis {
                 }
                 _ => {}
             },
-            Action::Save => return self.save_parameters(),
-            Action::Restore => return self.restore_parameters(),
+            // That one has been taken care of: its answer comes later.
+            Action::Save => {}
+            Action::Restore => self.restore_parameters()?,
         }
         Ok(0)
     }

@@ -1,15 +1,9 @@
 //! What an axis has to say and when: answers at once, feedback and heartbeat at their rates.
 
+use crate::parameter::Settings;
 use crate::time::{BusTime, Tick};
 use crate::wire::report::Report;
 use heapless::Deque;
-
-/// Ticks between two feedback frames: 50 Hz. Twelve axes then take 12 * 50 * 135 us = 8 % of a
-/// bus of 1 Mbit/s.
-const FEEDBACK_PERIOD: u32 = 20;
-
-/// Ticks between two heartbeats: 10 Hz.
-const HEARTBEAT_PERIOD: u32 = 100;
 
 /// Ticks by which the axes' periods are shifted against each other, times the axis id, so that
 /// they do not all speak at once.
@@ -18,6 +12,10 @@ const STAGGER: u64 = 7;
 /// Answers that may wait: commands that arrive between two chances to send. One more is dropped,
 /// and its host asks again.
 const WAITING: usize = 8;
+
+/// How many of them may be about parameters: whoever reads them all must not keep the answers to
+/// commands from being given.
+const READINGS: usize = WAITING / 2;
 
 /// Counters of one axis's bus, which wrap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -68,17 +66,30 @@ impl Telemetry {
         self.answers.push_back(report).is_ok()
     }
 
+    /// Queues the answer to one who reads parameters, where few answers wait.
+    pub(super) fn answer_reading(&mut self, report: Report) {
+        if self.answers.len() < READINGS {
+            self.answer(report);
+        }
+    }
+
+    /// Speaks as another axis from now on.
+    pub(super) fn rename(&mut self, axis: u8) {
+        self.stagger = STAGGER * u64::from(axis);
+        self.hasten();
+    }
+
     /// Asks for feedback and heartbeat now: something changed that a host waits for.
     pub(super) fn hasten(&mut self) {
         self.feedback_due = true;
         self.heartbeat_due = true;
     }
 
-    pub(super) fn tick(&mut self, tick: Tick) {
+    pub(super) fn tick(&mut self, tick: Tick, settings: &Settings) {
         // In 32 bits, which the processor divides by itself; once in 49 days a period is cut short.
         let shifted = tick.0.wrapping_add(self.stagger) as u32;
-        self.feedback_due |= shifted.is_multiple_of(FEEDBACK_PERIOD);
-        self.heartbeat_due |= shifted.is_multiple_of(HEARTBEAT_PERIOD);
+        self.feedback_due |= shifted.is_multiple_of(settings.feedback_period.0);
+        self.heartbeat_due |= shifted.is_multiple_of(settings.heartbeat_period.0);
     }
 
     pub(super) fn next(&mut self) -> Option<Due> {

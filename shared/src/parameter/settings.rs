@@ -59,9 +59,11 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// The defaults for the axis of this id, but with these limits.
-    pub fn new(axis: u8, limits: Limits) -> Self {
-        Self::assemble(&Values::defaults(axis), limits, None)
+    /// What values mean that have been looked at already.
+    pub(super) fn of_valid(values: &Values) -> Self {
+        // They do not contradict each other, so the other arm is never taken.
+        Self::of(values, Parameter::PositionMinimum)
+            .unwrap_or_else(|_| Self::assemble(values, Limits::default(), None))
     }
 
     /// What `values` mean, where `changed` is the one that may contradict the others.

@@ -157,8 +157,8 @@ parameters! {
         Default::Raw(bound(DEFAULT_VALUES.position_maximum, NANO)), AtRest,
         "the greatest position";
     HostTimeout = 6, "host.timeout", number(MILLI), "s",
-        // One beat of a host that sends 50 in a second; a minute.
-        raw(0.02, MILLI), raw(60.0, MILLI), Default::Raw(raw(0.25, MILLI)), AtRest,
+        // Two beats of a host that sends 20 in a second, as canter does; a minute.
+        raw(0.1, MILLI), raw(60.0, MILLI), Default::Raw(raw(0.25, MILLI)), AtRest,
         "silence of the session that holds the axis after which the axis stops";
     HostReaction = 7, "host.reaction", REACTIONS, "", 0, 2, Default::Raw(0), AtRest,
         "how the axis comes to rest when its host is silent";
@@ -192,10 +192,11 @@ parameters! {
         0, 127, Default::AxisId, Disabled,
         "the id of the axis's drive on the drives' bus";
     FeedbackPeriod = 18, "feedback.period", number(MILLI), "s",
-        raw(0.001, MILLI), raw(1.0, MILLI), Default::Raw(raw(0.02, MILLI)), AtRest,
+        // A host that listens for a quarter of a second hears everybody.
+        raw(0.001, MILLI), raw(0.2, MILLI), Default::Raw(raw(0.02, MILLI)), AtRest,
         "how often the axis reports where it is";
     HeartbeatPeriod = 19, "heartbeat.period", number(MILLI), "s",
-        raw(0.01, MILLI), raw(1.0, MILLI), Default::Raw(raw(0.1, MILLI)), AtRest,
+        raw(0.01, MILLI), raw(0.2, MILLI), Default::Raw(raw(0.1, MILLI)), AtRest,
         "how often the axis reports its state";
 }
 

@@ -297,8 +297,13 @@ impl Bench {
         })
     }
 
-    /// Takes what the axis has to say.
+    /// Saves where that is asked for, and takes what the axis has to say.
     pub fn drain(&mut self) {
+        if self.axis.wants_save() {
+            self.axis.begin_save();
+            let values = *self.axis.values();
+            self.axis.end_save(Some(&values));
+        }
         while let Some(frame) = self.axis.poll_transmit() {
             if let Ok(Some((axis, report))) = Report::decode(&frame) {
                 assert_eq!(axis, AXIS);

@@ -10,6 +10,7 @@ use canter_shared::drive::Condition;
 use canter_shared::drive::simulated::Simulated;
 use canter_shared::limits::{LimitValues, Limits};
 use canter_shared::motion::beta::Beta;
+use canter_shared::parameter::Parameter;
 use canter_shared::time::{Tick, Ticks};
 use canter_shared::units::{Acceleration, Jerk, Position, Velocity};
 use canter_shared::wire::command::{Action, Command, ProfileKind, Session};
@@ -60,6 +61,8 @@ enum Step {
     Ramps(f64, f64, u8),
     Peaks(f64, f64, u8),
     Control(Action, Session, u8),
+    /// A parameter and a place in its range, or beyond.
+    Write(Parameter, f64, u8),
     Stop(u8),
     EmergencyStop,
     Beat(Session),
@@ -124,6 +127,10 @@ fn action() -> impl Strategy<Value = Action> {
     prop::sample::select(Action::ALL.to_vec())
 }
 
+fn parameter() -> impl Strategy<Value = Parameter> {
+    prop::sample::select(Parameter::ALL.to_vec())
+}
+
 fn condition() -> impl Strategy<Value = Option<Condition>> {
     prop_oneof![
         4 => Just(None),
@@ -148,6 +155,7 @@ fn step() -> impl Strategy<Value = Step> {
         1 => (1.0..400.0f64, 1.0..400.0f64, ahead()).prop_map(|(a, d, n)| Step::Ramps(a, d, n)),
         1 => (0.5..30.0f64, 100.0..40_000.0f64, ahead()).prop_map(|(v, j, n)| Step::Peaks(v, j, n)),
         2 => (action(), session(), ahead()).prop_map(|(a, s, n)| Step::Control(a, s, n)),
+        2 => (parameter(), -0.01..1.01f64, ahead()).prop_map(|(p, v, n)| Step::Write(p, v, n)),
         2 => any::<u8>().prop_map(Step::Stop),
         1 => Just(Step::EmergencyStop),
         1 => session().prop_map(Step::Beat),
@@ -213,6 +221,7 @@ impl Run {
                     | Command::TrapezoidShape { .. }
                     | Command::RampLimits { .. }
                     | Command::PeakLimits { .. }
+                    | Command::ParameterWrite { .. }
             )))
         );
         match outcome {
@@ -347,6 +356,18 @@ impl Run {
                 });
             }
             Step::Control(action, session, ahead) => self.control(action, session, ahead),
+            Step::Write(parameter, place, ahead) => {
+                let sequence = self.number(ahead);
+                let entry = parameter.entry();
+                let length = (entry.maximum - entry.minimum) as f64;
+                // Cubed, because there are more numbers near the lower end that mean something.
+                let value = entry.minimum + (length * place.powi(3)) as i64;
+                self.send(Command::ParameterWrite {
+                    parameter: parameter.into(),
+                    value,
+                    sequence,
+                });
+            }
             Step::Stop(sequence) => self.send(Command::Stop { sequence }),
             Step::EmergencyStop => self.send(Command::EmergencyStop),
             Step::Beat(session) => self.send(Command::HostHeartbeat { session }),

@@ -1,11 +1,13 @@
 //! The command line's shape.
 
+mod param;
 mod profile;
 
+pub use param::{Param, ParamAction, ParamSet};
 pub use profile::{Compare, CompareFormat, Plan, PlanFormat, ShaperArgument};
 
 use canter::bus::{Address, AddressError};
-use canter::client::{Goal, Target};
+use canter::client::{ChipId, ChipIdError, Goal, Target};
 use canter::notation::{AxisList, angle, parse_axes, rate, seconds};
 use canter::soak::Faults;
 use canter_shared::wire::command::ProfileKind;
@@ -55,8 +57,8 @@ pub enum Verb {
     Demo(Demo),
     /// Run axis nodes on a bus, in real time, from the firmware's own core.
     Node(Node),
-    /// Find the nodes on the bus.
-    Scan,
+    /// Find the nodes on the bus, and give their axes other ids.
+    Scan(Scan),
     /// Print the state of every axis on the bus.
     Status,
     /// Enable axes where they are.
@@ -71,6 +73,8 @@ pub enum Verb {
     Estop(Axes),
     /// Move axes, together.
     Move(Move),
+    /// Read and change what is set about the axes: limits, time-outs, reactions.
+    Param(Param),
     /// Plan one move of one axis, offline, in units of your own.
     Plan(Plan),
     /// Show the profiles side by side for one move: durations, peaks, vibration.
@@ -129,9 +133,56 @@ pub struct Node {
     /// The drive behind each axis.
     #[arg(long, value_enum, default_value_t = DriveKind::Simulated)]
     pub drive: DriveKind,
+    /// Keep the parameters and the axes' ids here over an end of the process; made where it is
+    /// missing. What it keeps goes before the robot file.
+    #[arg(long, value_name = "FILE")]
+    pub store: Option<PathBuf>,
     /// Write every setpoint here, as CSV.
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub struct Scan {
+    /// Give the axis OLD of a chip, or its only one, the id NEW: CHIP=NEW or CHIP/OLD=NEW. It must be
+    /// disabled, and nobody may hold it.
+    #[arg(long, value_name = "CHIP[/OLD]=NEW", value_parser = assignment)]
+    pub assign: Option<Assignment>,
+    /// Keep the new id, and the parameters as they are, over a loss of power.
+    #[arg(long, requires = "assign")]
+    pub save: bool,
+}
+
+/// Which axis of which chip gets which id.
+#[derive(Clone, Copy)]
+pub struct Assignment {
+    pub chip: ChipId,
+    pub old: Option<AxisId>,
+    pub new: AxisId,
+}
+
+fn assignment(text: &str) -> Result<Assignment, String> {
+    let axis = |text: &str| {
+        let axes = parse_axes(text).map_err(|error| error.to_string())?;
+        match axes[..] {
+            [axis] => Ok(axis),
+            _ => Err(format!("`{text}` is no single axis")),
+        }
+    };
+    let (which, new) = text
+        .split_once('=')
+        .ok_or("write CHIP=NEW, with the chip as `canter scan` shows it")?;
+    let (chip, old) = match which.split_once('/') {
+        Some((chip, old)) => (chip, Some(axis(old)?)),
+        None => (which, None),
+    };
+    Ok(Assignment {
+        chip: chip
+            .parse()
+            .map_err(|error: ChipIdError| error.to_string())?,
+        old,
+        new: axis(new)?,
+    })
 }
 
 #[derive(Clone, Copy, ValueEnum)]

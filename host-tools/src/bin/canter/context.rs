@@ -18,6 +18,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub struct Context {
     pub address: Address,
     pub robot: Robot,
+    /// Whether the robot is from a file, and not the one that is assumed.
+    pub robot_is_named: bool,
     pub json: bool,
 }
 
@@ -31,6 +33,7 @@ impl Context {
         Ok(Self {
             address: named.unwrap_or(Address::Simulated),
             robot,
+            robot_is_named: arguments.robot.is_some(),
             json: arguments.json,
         })
     }

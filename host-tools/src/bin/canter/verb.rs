@@ -4,6 +4,7 @@ mod compare;
 mod demo;
 mod r#move;
 mod node;
+mod param;
 mod plan;
 mod power;
 mod scan;
@@ -22,7 +23,8 @@ pub fn run(arguments: Arguments) -> Result<()> {
     match arguments.verb {
         Verb::Demo(demo) => demo::run(&context, &demo),
         Verb::Node(node) => node::run(&context, &node),
-        Verb::Scan => scan::run(&context),
+        Verb::Scan(arguments) => scan::run(&context, &arguments),
+        Verb::Param(arguments) => param::run(&context, &arguments),
         Verb::Status => status::run(&context),
         Verb::Enable(list) => power::run(&context, power::Change::Enable, &list.axes),
         Verb::Disable(list) => power::run(&context, power::Change::Disable, &list.axes),
@@ -38,7 +40,6 @@ pub fn run(arguments: Arguments) -> Result<()> {
 
 /// Whether an error says that the command line was wrong, rather than that something failed.
 pub fn is_usage(error: &anyhow::Error) -> bool {
-    error
-        .downcast_ref::<PlanError>()
-        .is_some_and(PlanError::is_usage)
+    let plan = error.downcast_ref::<PlanError>();
+    plan.is_some_and(PlanError::is_usage) || param::is_usage(error)
 }

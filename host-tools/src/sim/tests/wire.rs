@@ -1,4 +1,3 @@
-use canter_shared::limits::Limits;
 use canter_shared::wire::id::Function;
 use canter_shared::wire::report::IdentityPart;
 
@@ -58,14 +57,7 @@ fn the_lowest_identifier_goes_first_once_the_bus_is_free() {
 fn two_nodes_of_one_id_are_both_heard() {
     let axis = AxisId::new(5).expect("in range");
     let mut host = Host::new(&Configuration {
-        axes: vec![
-            RobotAxis {
-                id: axis,
-                limits: Limits::default(),
-                shaping: None,
-            };
-            2
-        ],
+        axes: vec![RobotAxis::new(axis); 2],
         ..Configuration::default()
     });
     host.say(axis.into(), Command::IdentityRequest);

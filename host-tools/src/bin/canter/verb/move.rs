@@ -31,9 +31,14 @@ pub fn run(context: &Context, arguments: &Move) -> Result<()> {
                 client.enable(&disabled)?;
             }
         }
+        // What counts is what the nodes keep to, unless a robot file says what is wanted.
+        let read = match context.robot_is_named {
+            true => None,
+            false => Some(client.read_robot(&axes)?),
+        };
+        let robot = read.as_ref().unwrap_or(&context.robot);
         let bar = Bar::new();
-        let arrivals =
-            client.move_together(&context.robot, &request, |progress| bar.show(progress));
+        let arrivals = client.move_together(robot, &request, |progress| bar.show(progress));
         bar.end();
         arrivals
     })();
