@@ -14,6 +14,7 @@
 //! | `request` | what can be asked for |
 //! | `plan` | each axis's part of a move, checked before anything is sent |
 //! | `movement` | synchronised moves |
+//! | `stream` | motion that is made up as it goes |
 //! | `error` | what can go wrong |
 
 mod assign;
@@ -25,6 +26,7 @@ mod parameter;
 mod plan;
 mod power;
 mod request;
+mod stream;
 
 pub use assign::{ChipId, ChipIdError};
 pub use error::ClientError;
@@ -33,6 +35,7 @@ pub use movement::{Arrival, Progress};
 pub use parameter::{Change, Reading};
 pub(crate) use plan::RANGE_MARGIN;
 pub use request::{Goal, MoveRequest, Overrides, Target};
+pub use stream::{Pace, StreamEnd, StreamKnot};
 
 use crate::bus::Bus;
 use canter_shared::time::BusTime;

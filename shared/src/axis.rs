@@ -75,7 +75,7 @@ pub enum Outcome {
     Planning,
     /// It was refused; the answer with the reason is waiting.
     Rejected(Reason),
-    /// It was a repetition; the first answer is waiting again, or still to come.
+    /// It was a repetition; the first answer, where there is one, is waiting again or still to come.
     Repeated,
 }
 
@@ -264,6 +264,9 @@ impl Axis {
         if self.state.drives() {
             self.setpoint = self.course.at(tick);
             let mut arrived = self.course.fold(tick);
+            if self.planning.stops() && !self.course.is_moving(tick) {
+                self.planning.forget_stops();
+            }
             if self.shapes() {
                 let late = !self.shaper.is_settled();
                 self.setpoint = self.shaper.shape(self.setpoint);

@@ -16,11 +16,15 @@ mod axis {
     mod planner;
     mod planning;
     mod random;
+    mod random_stream;
     mod s_curve;
     mod saving;
     mod sequence;
     mod shaping;
     mod stop;
+    mod streaming;
+    mod streaming_random;
+    mod streams;
     mod telemetry;
     mod three;
     mod trapezoid;

@@ -1,5 +1,7 @@
 //! Streamed motion: the curve is the Hermite polynomial, knots and limits are kept, losses noticed.
 
+#[path = "stream/brake.rs"]
+mod brake;
 #[path = "stream/hermite.rs"]
 mod hermite;
 #[path = "stream/leaving.rs"]

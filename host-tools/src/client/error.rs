@@ -166,6 +166,22 @@ pub enum ClientError {
     /// A move without any axis.
     #[error("no axis to move: name at least one as AXIS=POSITION")]
     NoGoals,
+    /// A stream with too few or too many knots in one period.
+    #[error("{knots} knots in one period for {axes} axes: give each axis one")]
+    KnotCount {
+        /// How many axes are led.
+        axes: usize,
+        /// How many knots there were.
+        knots: usize,
+    },
+    /// A stream whose last knot moves.
+    #[error(
+        "the knots of axis {axis} end in motion, so the axes were stopped: end a stream at rest"
+    )]
+    EndsInMotion {
+        /// Which axis.
+        axis: AxisId,
+    },
     /// A limit is out of range.
     #[error(transparent)]
     Limit(#[from] LimitError),

@@ -242,7 +242,7 @@ impl<B: Bus> Client<B> {
                 return Err(self.lost(plan, group));
             }
         }
-        self.settle(plan)?;
+        self.settle(plan.iter().map(|planned| (planned.axis, planned.target)))?;
         self.arrivals(plan)
     }
 
@@ -300,14 +300,17 @@ impl<B: Bus> Client<B> {
     }
 
     /// Waits a little until the drives, which follow behind, are where their setpoints are.
-    fn settle(&mut self, plan: &[Planned]) -> Result<(), ClientError> {
+    pub(super) fn settle(
+        &mut self,
+        targets: impl Iterator<Item = (AxisId, Position)> + Clone,
+    ) -> Result<(), ClientError> {
         let until = after(self.bus.now(), SETTLE);
         self.wait(until, |known| {
-            plan.iter().all(|planned| {
+            targets.clone().all(|(axis, target)| {
                 known
-                    .get(&planned.axis)
+                    .get(&axis)
                     .and_then(|known| known.position)
-                    .is_some_and(|position| (position - planned.target).abs() <= POSITION_STEP)
+                    .is_some_and(|position| (position - target).abs() <= POSITION_STEP)
             })
         })?;
         Ok(())
@@ -356,6 +359,6 @@ impl<B: Bus> Client<B> {
 }
 
 /// Within 1 mrad: what a drive may stay off its setpoint at rest and still count as arrived.
-fn is_near(position: Position, target: Position) -> bool {
+pub(super) fn is_near(position: Position, target: Position) -> bool {
     (position - target).abs().radians() <= 1e-3
 }

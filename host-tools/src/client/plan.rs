@@ -34,14 +34,9 @@ pub(super) struct Planned {
 }
 
 impl<B: Bus> Client<B> {
-    /// Checks the request against all that is known, and finds each axis's duration.
-    pub(super) fn plan(
-        &mut self,
-        robot: &Robot,
-        request: &MoveRequest,
-    ) -> Result<Vec<Planned>, ClientError> {
-        let axes: Vec<AxisId> = request.goals.iter().map(|goal| goal.axis).collect();
-        for axis in &axes {
+    /// Whether all of `axes` take moves, as far as is known.
+    pub(super) fn check_enabled(&self, axes: &[AxisId]) -> Result<(), ClientError> {
+        for axis in axes {
             let known = self.axes.get(axis);
             if let Some(fault) = known.and_then(|known| known.fault) {
                 return Err(ClientError::Faulted { axis: *axis, fault });
@@ -55,6 +50,17 @@ impl<B: Bus> Client<B> {
                 }
             }
         }
+        Ok(())
+    }
+
+    /// Checks the request against all that is known, and finds each axis's duration.
+    pub(super) fn plan(
+        &mut self,
+        robot: &Robot,
+        request: &MoveRequest,
+    ) -> Result<Vec<Planned>, ClientError> {
+        let axes: Vec<AxisId> = request.goals.iter().map(|goal| goal.axis).collect();
+        self.check_enabled(&axes)?;
         // Durations are found from where the axes are once they rest.
         let positions = self.wait_for_rest(&axes)?;
         let mut plan = Vec::new();

@@ -14,9 +14,9 @@ use crate::wire::id::Function;
 use crate::wire::layout::POSITION_STEP;
 use crate::wire::reason::Reason;
 
-/// How far ahead a trigger may name its start: 10 s. A start beyond that is a mistake, and would
+/// How far ahead a trigger or a stream may name its start: 10 s. A start beyond that is a mistake, and would
 /// keep the clock from being set meanwhile.
-const LONGEST_LEAD: Ticks = Ticks(10_000);
+pub(super) const LONGEST_LEAD: Ticks = Ticks(10_000);
 
 /// What became of a command that is in order.
 #[derive(Debug, Clone, Copy)]
@@ -238,8 +238,10 @@ impl Axis {
                 start,
                 period,
                 number,
-                ..
-            } => self.begin_stream(start, period, number).map(Done::Now),
+                sequence,
+            } => self
+                .begin_stream(start, period, number, sequence)
+                .map(Done::Now),
             Command::ParameterWrite {
                 parameter, value, ..
             } => self.write_parameter(parameter, value).map(Done::Now),
@@ -282,7 +284,7 @@ impl Axis {
     }
 
     /// Whether the axis takes moves.
-    fn ready(&self) -> Result<(), Refusal> {
+    pub(super) fn ready(&self) -> Result<(), Refusal> {
         match (self.state, self.fault) {
             (State::OperationEnabled, _) if self.request.is_none() => Ok(()),
             (_, Some(fault)) => Err((Reason::FaultLatched, u8::from(fault).into())),

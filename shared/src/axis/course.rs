@@ -1,9 +1,12 @@
 //! The motion under way, and the one that takes over from it.
 //!
 //! A motion is planned for a tick that is still to come, the splice: up to there the one under way
-//! goes on, from there the other. At the splice both are in the same place at the same velocity.
+//! goes on, from there the other. At the splice both are in the same place at the same velocity. A
+//! stream takes over in the same way, from rest.
 
 use super::Departure;
+use crate::limits::Limits;
+use crate::motion::stream::Stream;
 use crate::motion::{Motion, Setpoint};
 use crate::time::Tick;
 use crate::units::Position;
@@ -17,11 +20,72 @@ struct Next {
     departure: Option<Departure>,
 }
 
+/// What leads an axis. A stream needs no more room than a motion does.
+#[derive(Debug, Clone)]
+#[expect(clippy::large_enum_variant, reason = "nothing is allocated here")]
+enum Lead {
+    Motion(Motion),
+    Stream(Stream),
+}
+
+impl Lead {
+    fn at(&self, tick: Tick) -> Setpoint {
+        match self {
+            Self::Motion(motion) => motion.at(tick),
+            Self::Stream(stream) => stream.at(tick),
+        }
+    }
+
+    /// Whether the setpoint changes after `tick`, or will.
+    ///
+    /// Asked in many places: a copy in each would be a kilobyte of flash.
+    #[inline(never)]
+    fn is_moving(&self, tick: Tick) -> bool {
+        match self {
+            Self::Motion(motion) => motion.is_moving(tick),
+            Self::Stream(stream) => stream.is_moving(tick),
+        }
+    }
+}
+
+/// Where a stream stands at a tick, for whoever stops it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Streamed {
+    pub(super) state: Setpoint,
+    /// The first tick at rest if nobody does.
+    pub(super) rests: Tick,
+}
+
+/// How a stream is brought to rest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum StreamStop {
+    /// By a motion that was planned.
+    Planned,
+    /// It rests sooner by itself.
+    AsItIs,
+    /// With the deceleration limit from the splice on: no smoother stop stays inside the travel.
+    Brake,
+}
+
+impl Streamed {
+    /// Plans a stop from `splice` on into `motion`, where the stream needs one.
+    pub(super) fn stop(&self, splice: Tick, limits: &Limits, motion: &mut Motion) -> StreamStop {
+        let Some(stop) = Motion::stop_from(splice, self.state, limits) else {
+            return StreamStop::Brake;
+        };
+        if stop.end().is_none_or(|end| self.rests <= end) {
+            return StreamStop::AsItIs;
+        }
+        *motion = stop;
+        StreamStop::Planned
+    }
+}
+
 /// Two motions that are used by turns: taking over copies nothing, since it happens in a tick.
 #[derive(Debug, Clone)]
 pub(super) struct Course {
-    first: Motion,
-    second: Motion,
+    first: Lead,
+    second: Lead,
     turned: bool,
     next: Option<Next>,
 }
@@ -29,15 +93,14 @@ pub(super) struct Course {
 impl Course {
     pub(super) fn at_rest(position: Position) -> Self {
         Self {
-            first: Motion::at_rest(position),
-            second: Motion::at_rest(position),
+            first: Lead::Motion(Motion::at_rest(position)),
+            second: Lead::Motion(Motion::at_rest(position)),
             turned: false,
             next: None,
         }
     }
 
-    /// The motion under way.
-    pub(super) fn motion(&self) -> &Motion {
+    fn lead(&self) -> &Lead {
         if self.turned {
             &self.second
         } else {
@@ -45,7 +108,7 @@ impl Course {
         }
     }
 
-    fn motion_mut(&mut self) -> &mut Motion {
+    fn lead_mut(&mut self) -> &mut Lead {
         if self.turned {
             &mut self.second
         } else {
@@ -53,22 +116,38 @@ impl Course {
         }
     }
 
-    fn idle_mut(&mut self) -> &mut Motion {
+    fn idle(&self) -> &Lead {
         if self.turned {
-            &mut self.first
-        } else {
-            &mut self.second
-        }
-    }
-
-    /// The motion that waits for its splice, and that tick.
-    pub(super) fn next(&self) -> Option<(&Motion, Tick)> {
-        let idle = if self.turned {
             &self.first
         } else {
             &self.second
+        }
+    }
+
+    fn idle_mut(&mut self) -> &mut Lead {
+        if self.turned {
+            &mut self.first
+        } else {
+            &mut self.second
+        }
+    }
+
+    /// What a plan goes out from: the motion that waits for its splice, and that tick, or else what
+    /// is under way, `ahead`. Of a stream its state there is enough, since it can only be stopped.
+    pub(super) fn basis(&self, ahead: Tick) -> (Motion, Option<Streamed>, Tick) {
+        let (lead, splice) = match self.next {
+            Some(next) => (self.idle(), next.splice),
+            None => (self.lead(), ahead),
         };
-        self.next.map(|next| (idle, next.splice))
+        match lead {
+            Lead::Motion(motion) => (motion.clone(), None, splice),
+            Lead::Stream(stream) => {
+                let state = stream.at(splice);
+                let rests = stream.rests();
+                let streamed = Streamed { state, rests };
+                (Motion::at_rest(state.position), Some(streamed), splice)
+            }
+        }
     }
 
     /// Whether a stop waits for its splice.
@@ -78,27 +157,41 @@ impl Course {
 
     /// Whether the setpoint changes after `tick`, or will.
     pub(super) fn is_moving(&self, tick: Tick) -> bool {
-        let next = self.next();
-        moves(self.motion(), tick) || next.is_some_and(|(motion, _)| moves(motion, tick))
+        let waits = match (self.next, self.idle()) {
+            (None, _) => false,
+            // Its knots are still to come.
+            (Some(_), Lead::Stream(_)) => true,
+            (Some(_), lead) => lead.is_moving(tick),
+        };
+        waits || self.lead().is_moving(tick)
     }
 
     pub(super) fn at(&self, tick: Tick) -> Setpoint {
-        self.motion().at(tick)
+        self.lead().at(tick)
     }
 
     /// Forgets what has ended by `tick`, and says whether that was the end of all motion.
     #[inline(never)] // Its two callers would double an image's share of it.
     pub(super) fn fold(&mut self, tick: Tick) -> bool {
-        let motion = self.motion_mut();
-        let moved = motion.end().is_some();
-        motion.fold(tick);
-        moved && motion.end().is_none()
+        let lead = self.lead_mut();
+        match lead {
+            Lead::Motion(motion) => {
+                let moved = motion.end().is_some();
+                motion.fold(tick);
+                moved && motion.end().is_none()
+            }
+            Lead::Stream(stream) if stream.is_moving(tick) => false,
+            Lead::Stream(stream) => {
+                *lead = Lead::Motion(Motion::at_rest(stream.at(tick).position));
+                true
+            }
+        }
     }
 
     /// Ends everything at `position`.
     pub(super) fn rest(&mut self, position: Position) {
         self.next = None;
-        *self.motion_mut() = Motion::at_rest(position);
+        *self.lead_mut() = Lead::Motion(Motion::at_rest(position));
     }
 
     /// Ends what has ended whatever the tick; only where nothing moves.
@@ -115,7 +208,7 @@ impl Course {
         stops: bool,
         departure: Option<Departure>,
     ) {
-        self.idle_mut().clone_from(motion);
+        *self.idle_mut() = Lead::Motion(motion.clone());
         self.next = Some(Next {
             splice,
             stops,
@@ -123,9 +216,66 @@ impl Course {
         });
     }
 
+    /// Has `stream` take over when it begins; only where nothing moves.
+    pub(super) fn splice_stream(&mut self, stream: Stream, departure: Departure) {
+        self.next = Some(Next {
+            splice: departure.start,
+            stops: false,
+            departure: Some(departure),
+        });
+        *self.idle_mut() = Lead::Stream(stream);
+    }
+
+    /// The stream under way.
+    pub(super) fn running_stream(&self) -> Option<&Stream> {
+        match self.lead() {
+            Lead::Stream(stream) => Some(stream),
+            Lead::Motion(_) => None,
+        }
+    }
+
+    /// The stream that waits for its start or is under way, to take knots on.
+    pub(super) fn stream_mut(&mut self) -> Option<&mut Stream> {
+        let lead = match self.next {
+            Some(next) if !next.stops => self.idle_mut(),
+            _ => self.lead_mut(),
+        };
+        match lead {
+            Lead::Stream(stream) => Some(stream),
+            Lead::Motion(_) => None,
+        }
+    }
+
+    /// Whether a stream waits for its start or is under way.
+    pub(super) fn streams(&self) -> bool {
+        let waits = self.next.is_some() && matches!(self.idle(), Lead::Stream(_));
+        waits || self.running_stream().is_some()
+    }
+
+    /// Takes no more knots for the stream under way: it is to be stopped.
+    pub(super) fn close_stream(&mut self) {
+        if let Lead::Stream(stream) = self.lead_mut() {
+            stream.close();
+        }
+    }
+
+    /// Has the stream under way brake from `tick` on, where it does not do so already.
+    pub(super) fn cut_stream(&mut self, tick: Tick, limits: &Limits) {
+        if let Lead::Stream(stream) = self.lead_mut() {
+            stream.cut(tick, limits);
+        }
+    }
+
     /// Calls off what waits for its splice, unless it is a stop.
     pub(super) fn call_off_move(&mut self) {
         self.next = self.next.filter(|next| next.stops);
+    }
+
+    /// Calls off the stream that waits for its start.
+    pub(super) fn call_off_stream(&mut self) {
+        if matches!(self.idle(), Lead::Stream(_)) {
+            self.call_off_move();
+        }
     }
 
     /// Goes on to `tick`: where the other motion takes over, gives the departure that it brings.
@@ -134,10 +284,4 @@ impl Course {
         self.turned = !self.turned;
         Some(next.departure)
     }
-}
-
-/// Asked in many places: a copy in each would be a kilobyte of flash.
-#[inline(never)]
-fn moves(motion: &Motion, tick: Tick) -> bool {
-    motion.is_moving(tick)
 }

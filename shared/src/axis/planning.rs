@@ -26,6 +26,7 @@
 //! the tick's arithmetic is compiled with it would take kilobytes of flash.
 
 use super::answer::{Refusal, acknowledgement, refusal};
+use super::course::{StreamStop, Streamed};
 use super::prepared::Prepared;
 use super::{Axis, Departure, Outcome, Reply, Staged};
 use crate::limits::Limits;
@@ -99,7 +100,7 @@ impl Planning {
         working.chain(&self.waiting)
     }
 
-    fn stops(&self) -> bool {
+    pub(super) fn stops(&self) -> bool {
         self.jobs().any(Job::stops)
     }
 
@@ -124,6 +125,12 @@ impl Planning {
         working.or_else(|| self.waiting.take_if(|job| wanted(job)))
     }
 
+    /// Forgets a stop of what has come to rest by itself meanwhile: no late planner keeps an axis
+    /// from being at rest.
+    pub(super) fn forget_stops(&mut self) {
+        while self.take(Job::stops).is_some() {}
+    }
+
     /// Forgets all jobs, none of which is a move.
     pub(super) fn clear(&mut self) {
         self.waiting = None;
@@ -141,6 +148,8 @@ pub struct Plan {
     splice: Tick,
     limits: Limits,
     motion: Motion,
+    /// What is under way instead of the motion, where it is a stream.
+    stream: Option<Streamed>,
 }
 
 /// What came of a [`Plan`].
@@ -151,6 +160,7 @@ pub struct FinishedPlan {
     number: u32,
     splice: Tick,
     motion: Motion,
+    stream: Option<StreamStop>,
     result: Result<Planned, Refusal>,
 }
 
@@ -168,12 +178,17 @@ impl Plan {
     /// Works it out, in up to 80 000 instructions. It touches nothing but itself.
     #[inline(never)]
     pub fn work(mut self) -> FinishedPlan {
+        let (splice, limits) = (self.splice, &self.limits);
+        let stream = self
+            .stream
+            .map(|streamed| streamed.stop(splice, limits, &mut self.motion));
         let result = self.change_motion();
         FinishedPlan {
             axis: self.axis,
             number: self.number,
             splice: self.splice,
             motion: self.motion,
+            stream,
             result,
         }
     }
@@ -181,6 +196,11 @@ impl Plan {
     fn change_motion(&mut self) -> Result<Planned, Refusal> {
         let splice = self.splice;
         let wanted = match self.change {
+            // Done already.
+            Change::Stop if self.stream.is_some() => {
+                let end = self.motion.end().unwrap_or(splice);
+                return Ok(Planned { start: splice, end });
+            }
             Change::Stop => {
                 let end = self.motion.stop(splice, &self.limits);
                 return Ok(Planned { start: splice, end });
@@ -229,17 +249,15 @@ impl Axis {
         let farther = (1 << self.planning.doublings) - 1;
         let ahead = self.tick.after(Ticks(lead.0.saturating_add(farther)));
         // What waits for its splice and the motion until then agree at the splice only.
-        let (motion, splice) = match self.course.next() {
-            Some(next) => next,
-            None => (self.course.motion(), ahead),
-        };
+        let (motion, stream, splice) = self.course.basis(ahead);
         let plan = Plan {
             axis: self.id,
             change: job.change,
             number: job.number,
             splice,
             limits: self.planning_limits(),
-            motion: motion.clone(),
+            motion,
+            stream,
         };
         self.planning.working = Some((job, splice));
         Some(plan)
@@ -282,8 +300,14 @@ impl Axis {
             sequence: wanted.sequence,
             start: planned.start,
         });
-        self.course
-            .splice(splice, &finished.motion, begun.is_none(), departure);
+        match finished.stream {
+            Some(StreamStop::AsItIs) => {}
+            Some(StreamStop::Brake) => self.course.cut_stream(splice, &self.planning_limits()),
+            Some(StreamStop::Planned) | None => {
+                self.course
+                    .splice(splice, &finished.motion, begun.is_none(), departure);
+            }
+        }
         self.follow_course();
         self.telemetry.hasten();
         let Some((wanted, planned)) = begun else {
@@ -324,7 +348,7 @@ impl Axis {
 
     /// Leaves a move to be planned; gives the number of the job.
     pub(super) fn want_move(&mut self, wanted: WantedMove) -> Result<u32, Refusal> {
-        if self.planning.stops() {
+        if self.planning.stops() || self.course.streams() {
             return Err((Reason::Moving, 0));
         }
         let job = self.planning.new_job(Change::Move(wanted), self.tick);
@@ -340,8 +364,11 @@ impl Axis {
         self.call_off(why, |job| !job.stops());
         self.course.call_off_move();
         self.departure = None;
+        self.course.close_stream();
         // Stops in a flood must not put off the first one.
         let stopping = self.planning.stops() || self.course.is_about_to_stop();
+        let brakes = self.course.running_stream();
+        let stopping = stopping || brakes.is_some_and(|stream| stream.has_run_dry(self.tick));
         if !stopping && self.course.is_moving(self.tick) {
             self.planning.waiting = Some(self.planning.new_job(Change::Stop, self.tick));
         }

@@ -27,6 +27,7 @@ impl Axis {
             }
         }
         self.watch_drive();
+        self.watch_stream();
         self.advance();
     }
 
@@ -60,6 +61,7 @@ impl Axis {
     /// Forgets what was prepared for later; `why` is the answer to what is still being checked.
     pub(super) fn forget_moves(&mut self, why: Refusal) {
         self.call_off_stages(why);
+        self.course.call_off_stream();
         self.forget_prepared();
     }
 

@@ -3,7 +3,7 @@
 use super::chain::Chain;
 use super::depart::inside;
 use super::retarget::lead;
-use super::smooth::Commanded;
+use super::smooth::{Commanded, ROUNDING_MARGIN};
 use super::stop::HARDER;
 use super::{Motion, Move, PlanError, Planned, Setpoint};
 use crate::limits::Limits;
@@ -12,15 +12,18 @@ use crate::time::{LONGEST_MOVE, Tick};
 impl Motion {
     /// The quickest stop inside the limits from `state`, which was commanded at `now`.
     ///
-    /// As [`Self::stop`] it takes more jerk than the limit rather than leave the travel. `None`
-    /// where even that would leave it, or the state is beyond what any axis does; a knot that a
-    /// stream has taken on leaves room to stop.
+    /// As [`Self::stop`] it takes more jerk than the limit rather than leave the travel, and rather
+    /// than pass the velocity limit: a stream may come there with any acceleration. `None` where
+    /// even that would leave them, or the state is beyond what any axis does.
     pub fn stop_from(now: Tick, state: Setpoint, limits: &Limits) -> Option<Self> {
         let commanded = Commanded {
             state,
             steps: false,
         };
         [1.0].into_iter().chain(HARDER).find_map(|times| {
+            if passes(&state, limits, times) {
+                return None;
+            }
             let mut chain = Chain::new(now, state.position.counts());
             commanded.stop(&mut chain, limits, times)?;
             chain
@@ -67,4 +70,15 @@ impl Motion {
         let mut motion = Self::at_rest(state.position);
         motion.take_over(now, chain).then_some(motion)
     }
+}
+
+/// Whether the velocity limit is passed while a multiple of the jerk limit takes the acceleration
+/// back: v + a |a| / 2 j is the velocity then.
+fn passes(state: &Setpoint, limits: &Limits, times: f64) -> bool {
+    let acceleration = state.acceleration.counts() as f64;
+    let jerk = limits.jerk().counts() as f64 * times;
+    let gained = acceleration * acceleration.abs() / (2.0 * jerk);
+    let released = state.velocity.counts() as f64 + gained;
+    let most = limits.velocity().counts() as f64 - ROUNDING_MARGIN;
+    acceleration != 0.0 && released.abs() > most
 }

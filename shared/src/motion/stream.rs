@@ -11,14 +11,21 @@
 //! the rounding of its knots' positions. With a period of n ticks, positions that are each off by a
 //! count can raise the velocity by 2 * 15 / 8 * 1000 / n counts/s, and the acceleration by
 //! 2 * 10 / sqrt(3) * (1000 / n)^2 counts/s^2: the peaks of a quintic over a step of two counts.
+//!
+//! A stream whose last knot passes in motion has run dry: it brakes by itself from that knot's tick
+//! on, see `brake`.
 
+mod brake;
+mod error;
 mod piece;
+
+pub use error::KnotError;
 
 use super::Setpoint;
 use crate::limits::Limits;
 use crate::time::{TICKS_PER_SECOND, Tick, Ticks};
 use crate::units::{Acceleration, Position, Velocity};
-use core::fmt;
+use brake::Brake;
 use core::num::NonZeroU8;
 use heapless::Deque;
 use piece::Piece;
@@ -58,110 +65,6 @@ pub enum Pushed {
     Repeated,
 }
 
-/// Why a knot is refused. The stream is then as it was before.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum KnotError {
-    /// The last knot has passed: the stream has run dry.
-    TooLate {
-        /// The tick of the last knot.
-        ended: Tick,
-    },
-    /// There is no room for one more piece.
-    Full {
-        /// The first tick at which there is.
-        room: Tick,
-    },
-    /// More knots are missing than one piece may bridge.
-    TooManyMissing {
-        /// Knots whose numbers were left out.
-        missing: u8,
-    },
-    /// The knot, or the curve that leads there, is outside the travel.
-    OutsideTravel {
-        /// The position that is outside.
-        position: Position,
-        /// The nearest that is allowed.
-        nearest: Position,
-    },
-    /// From the knot, no stop ends inside the travel.
-    CannotStop {
-        /// The knot's velocity.
-        velocity: Velocity,
-        /// The end of the travel that it leads to.
-        edge: Position,
-    },
-    /// The curve to the knot breaks the velocity limit.
-    TooFast {
-        /// A velocity that it would have.
-        velocity: Velocity,
-        /// The largest that is allowed, either way.
-        limit: Velocity,
-    },
-    /// The curve to the knot breaks the acceleration or deceleration limit.
-    TooStrong {
-        /// An acceleration that it would have.
-        acceleration: Acceleration,
-        /// The lesser of the two limits.
-        limit: Acceleration,
-    },
-}
-
-impl fmt::Display for KnotError {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::TooLate { ended } => write!(
-                formatter,
-                "knot comes after the stream has ended at tick {}: \
-                 send knots earlier, then start again",
-                ended.0
-            ),
-            Self::Full { room } => write!(
-                formatter,
-                "knot finds {LOOK_AHEAD} pieces waiting: send it again from tick {} on",
-                room.0
-            ),
-            Self::TooManyMissing { missing } => write!(
-                formatter,
-                "knot comes after {missing} missing ones, where at most {} can be bridged: \
-                 send those first",
-                LONGEST_GAP - 1
-            ),
-            Self::OutsideTravel { position, nearest } => write!(
-                formatter,
-                "knot leads to {} rad outside the travel, which ends at {} rad",
-                position.radians(),
-                nearest.radians()
-            ),
-            Self::CannotStop { velocity, edge } => write!(
-                formatter,
-                "knot's velocity {} rad/s is too high to stop before the travel ends at {} rad: \
-                 slow down earlier",
-                velocity.radians(),
-                edge.radians()
-            ),
-            Self::TooFast { velocity, limit } => write!(
-                formatter,
-                "curve to the knot would reach {} rad/s, where at most {} rad/s are allowed: \
-                 go slower or stay farther below the limit",
-                velocity.radians(),
-                limit.radians()
-            ),
-            Self::TooStrong {
-                acceleration,
-                limit,
-            } => write!(
-                formatter,
-                "curve to the knot would reach {} rad/s^2, where at most {} rad/s^2 are sure to be \
-                 allowed: change the velocity more gently",
-                acceleration.radians(),
-                limit.radians()
-            ),
-        }
-    }
-}
-
-impl core::error::Error for KnotError {}
-
 /// What a piece breaks: counts, counts/s or counts/s^2.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Breach {
@@ -183,10 +86,17 @@ struct Place {
 pub struct Stream {
     /// The tick of the knot that the first piece begins with.
     begins: Tick,
+    /// The tick of the last knot: from there on it brakes.
+    ends: Tick,
     period: NonZeroU8,
     /// The number of the last knot.
     number: u8,
     last: Place,
+    /// The acceleration that leads up to the last knot.
+    exit: i64,
+    brake: Brake,
+    /// Whether no knot is taken on any more.
+    closed: bool,
     pieces: Deque<Piece, LOOK_AHEAD>,
 }
 
@@ -196,6 +106,7 @@ impl Stream {
     pub fn new(start: Tick, number: u8, state: Setpoint, period: NonZeroU8) -> Self {
         Self {
             begins: start,
+            ends: start,
             period,
             number,
             last: Place {
@@ -203,6 +114,9 @@ impl Stream {
                 velocity: state.velocity.counts(),
                 acceleration: Some(state.acceleration.counts()),
             },
+            exit: state.acceleration.counts(),
+            brake: Brake::AT_ONCE,
+            closed: false,
             pieces: Deque::new(),
         }
     }
@@ -215,7 +129,8 @@ impl Stream {
     ///
     /// # Errors
     /// A knot that comes too late, too early or after too many missing ones, and one whose piece
-    /// would break a limit; apart from what has ended the stream is unchanged.
+    /// would break a limit; apart from what has ended the stream is unchanged. A stream that is closed
+    /// finds every knot too late.
     pub fn push(
         &mut self,
         now: Tick,
@@ -228,8 +143,8 @@ impl Stream {
             return Ok(Pushed::Repeated);
         }
         let missing = ahead - 1;
-        let ended = self.ends();
-        if ended < now {
+        let ended = self.ends;
+        if ended < now || self.closed {
             return Err(KnotError::TooLate { ended });
         }
         if ahead > LONGEST_GAP {
@@ -272,9 +187,13 @@ impl Stream {
             }
         })?;
         can_stop(knot, limits)?;
+        let exit = piece.exit_acceleration();
         if self.pieces.push_back(piece).is_err() {
             return Err(KnotError::Full { room: ended });
         }
+        self.ends = ended.after(Ticks(ticks.into()));
+        self.exit = exit;
+        self.brake = Brake::new(to.position, to.velocity, limits);
         self.last = to;
         self.number = number;
         Ok(Pushed::Accepted { missing })
@@ -283,8 +202,7 @@ impl Stream {
     fn drop_ended(&mut self, now: Tick) {
         while let Some(first) = self.pieces.front() {
             let end = self.begins.after(Ticks(first.ticks().into()));
-            // The last one tells with which acceleration the stream ends.
-            if end > now || self.pieces.len() == 1 {
+            if end > now {
                 break;
             }
             self.begins = end;
@@ -292,11 +210,51 @@ impl Stream {
         }
     }
 
+    /// Takes no more knots: it goes on to the last one that it has.
+    pub fn close(&mut self) {
+        self.closed = true;
+    }
+
+    /// Whether it takes no more knots.
+    pub fn is_closed(&self) -> bool {
+        self.closed
+    }
+
+    /// Closes the stream and ends it at `tick`, which is not before the last `now` given to [`Self::push`]: from
+    /// there on it brakes. One that has ended by then is left as it is.
+    pub fn cut(&mut self, tick: Tick, limits: &Limits) {
+        self.closed = true;
+        if tick < self.ends {
+            let state = self.at(tick);
+            self.ends = tick;
+            self.last = Place {
+                position: state.position.counts(),
+                velocity: state.velocity.counts(),
+                acceleration: Some(state.acceleration.counts()),
+            };
+            self.exit = state.acceleration.counts();
+            self.brake = Brake::new(self.last.position, self.last.velocity, limits);
+        }
+    }
+
     /// The setpoint at `tick`, which must not be before the last `now` given to [`Self::push`].
     ///
-    /// After the last knot's tick it stands still there: unless that knot is at rest, the owner of the
-    /// stream must have begun to stop by then.
+    /// After the last knot's tick it brakes to rest with the deceleration limit.
     pub fn at(&self, tick: Tick) -> Setpoint {
+        let last = &self.last;
+        if tick >= self.ends {
+            let elapsed = tick.since(self.ends).0;
+            if self.ends_at_rest() {
+                return setpoint(last.position, 0, 0);
+            }
+            if elapsed > 0 {
+                let (position, velocity, acceleration) =
+                    self.brake.at(last.position, last.velocity, elapsed);
+                return setpoint(position, velocity, acceleration);
+            }
+            // Where another knot may still follow, there is no deceleration yet.
+            return setpoint(last.position, last.velocity, self.exit);
+        }
         let mut left = tick.since(self.begins).0;
         for piece in &self.pieces {
             let ticks = u32::from(piece.ticks());
@@ -306,20 +264,36 @@ impl Stream {
             }
             left -= ticks;
         }
-        if left > 0 || self.ends_at_rest() {
-            return setpoint(self.last.position, 0, 0);
-        }
-        let acceleration = match self.pieces.back() {
-            Some(last) => last.exit_acceleration(),
-            None => self.last.acceleration.unwrap_or_default(),
-        };
-        setpoint(self.last.position, self.last.velocity, acceleration)
+        // The pieces reach up to the end: this is never the case.
+        setpoint(last.position, last.velocity, 0)
     }
 
     /// The tick of the last knot: without another one until then, the stream has run dry.
     pub fn ends(&self) -> Tick {
-        let ticks = self.pieces.iter().map(|piece| u32::from(piece.ticks()));
-        self.begins.after(Ticks(ticks.sum()))
+        self.ends
+    }
+
+    /// Whether the stream has passed its last knot in motion by `tick`.
+    pub fn has_run_dry(&self, tick: Tick) -> bool {
+        self.ends < tick && !self.ends_at_rest()
+    }
+
+    /// Whether the setpoint still changes, or will, after `tick` though no other knot comes.
+    pub fn is_moving(&self, tick: Tick) -> bool {
+        let braked = || {
+            self.brake
+                .has_ended(self.last.velocity, tick.since(self.ends).0)
+        };
+        tick < self.ends || !self.ends_at_rest() && !braked()
+    }
+
+    /// The first tick at rest if no other knot comes.
+    pub fn rests(&self) -> Tick {
+        if self.ends_at_rest() {
+            self.ends
+        } else {
+            self.ends.after(self.brake.ticks(self.last.velocity))
+        }
     }
 
     /// The number of the last knot.
@@ -360,10 +334,16 @@ fn can_stop(knot: &Knot, limits: &Limits) -> Result<(), KnotError> {
     let lost = speed.saturating_mul(STOP_TICKS as u64) / TICKS_PER_SECOND;
     let left = room.counts().unsigned_abs().checked_sub(lost);
     let deceleration = limits.deceleration().counts().unsigned_abs();
-    let stops = left.is_some_and(|left| {
-        u128::from(speed) * u128::from(speed) <= 2 * u128::from(deceleration) * u128::from(left)
-    });
-    if stops {
+    let stops = |left: u64| {
+        // Mostly there is more room than needed, and 2^-20 of everything tells.
+        let above = (speed >> 20) + 1;
+        let (strength, room) = (deceleration >> 20, left >> 20);
+        // Speeds and ways are below 2^44, decelerations below 2^50.
+        above * above <= 2 * strength * room
+            || u128::from(speed) * u128::from(speed)
+                <= 2 * u128::from(deceleration) * u128::from(left)
+    };
+    if left.is_some_and(stops) {
         Ok(())
     } else {
         Err(KnotError::CannotStop {

@@ -4,6 +4,7 @@
 
 use super::bench::{AXIS, Bench, OTHER, SESSION, frame, turns};
 use super::planner::Planner;
+use super::random_stream::{LastKnot, StreamStep, stream};
 use canter_shared::axis::Outcome;
 use canter_shared::axis::state::State;
 use canter_shared::drive::Condition;
@@ -24,7 +25,7 @@ use std::f64::consts::TAU;
 
 /// How long a move is to last.
 #[derive(Debug, Clone, Copy)]
-enum Duration {
+pub enum Duration {
     /// So many times the shortest.
     Times(f64),
     Ticks(u32),
@@ -32,7 +33,7 @@ enum Duration {
 
 /// Where a move is to end.
 #[derive(Debug, Clone, Copy)]
-enum Target {
+pub enum Target {
     /// A part of the travel, 0 to 1.
     Inside(f64),
     /// So many turns from here.
@@ -41,7 +42,7 @@ enum Target {
 }
 
 #[derive(Debug, Clone)]
-enum Step {
+pub enum Step {
     Run(u64),
     /// Clear, hold and enable as a good host would.
     Recover,
@@ -57,6 +58,7 @@ enum Step {
         session: Session,
         ahead: i64,
     },
+    Stream(StreamStep),
     Shape(u32, u32, u8),
     Ramps(f64, f64, u8),
     Peaks(f64, f64, u8),
@@ -90,7 +92,7 @@ fn session() -> impl Strategy<Value = Session> {
 }
 
 /// The next number mostly, sometimes any.
-fn ahead() -> impl Strategy<Value = u8> {
+pub fn ahead() -> impl Strategy<Value = u8> {
     prop_oneof![12 => Just(1u8), 1 => any::<u8>()]
 }
 
@@ -151,6 +153,7 @@ fn step() -> impl Strategy<Value = Step> {
         4 => (session(), -5i64..60).prop_map(|(session, ahead)| Step::Trigger { session, ahead }),
         1 => (session(), any::<i32>())
             .prop_map(|(session, ahead)| Step::Trigger { session, ahead: ahead.into() }),
+        24 => stream().prop_map(Step::Stream),
         2 => (1u32..200, 1u32..200, ahead()).prop_map(|(a, d, n)| Step::Shape(a, d, n)),
         1 => (1.0..400.0f64, 1.0..400.0f64, ahead()).prop_map(|(a, d, n)| Step::Ramps(a, d, n)),
         1 => (0.5..30.0f64, 100.0..40_000.0f64, ahead()).prop_map(|(v, j, n)| Step::Peaks(v, j, n)),
@@ -170,7 +173,7 @@ fn step() -> impl Strategy<Value = Step> {
     ]
 }
 
-fn limits() -> impl Strategy<Value = Limits> {
+pub fn limits() -> impl Strategy<Value = Limits> {
     let exponents = (-0.5..2.0f64, 0.5..3.5f64, 0.5..3.5f64, 0.0..3.5f64);
     (exponents, -1.0..1.5f64, -5.0..5.0f64).prop_map(
         |((velocity, acceleration, deceleration, jerk), travel, middle)| {
@@ -190,10 +193,13 @@ fn limits() -> impl Strategy<Value = Limits> {
 }
 
 /// A bench and the frames that it was sent.
-struct Run {
-    bench: Bench,
+pub struct Run {
+    pub bench: Bench,
     frames: Vec<Frame>,
     group: u8,
+    pub knot: LastKnot,
+    /// Knots that were taken on.
+    pub knots: usize,
     /// Answers that the commands so far are owed, and those given again to repetitions.
     owed: usize,
     repeated: usize,
@@ -202,7 +208,7 @@ struct Run {
 }
 
 impl Run {
-    fn send(&mut self, command: Command) {
+    pub fn send(&mut self, command: Command) {
         let frame = frame(command);
         self.frames.push(frame);
         self.handle(&frame);
@@ -222,11 +228,20 @@ impl Run {
                     | Command::RampLimits { .. }
                     | Command::PeakLimits { .. }
                     | Command::ParameterWrite { .. }
+                    | Command::StreamBegin { .. }
             )))
         );
+        let knot = matches!(Command::decode(frame), Ok(Some((_, Command::Knot { .. }))));
         match outcome {
             Outcome::Planning | Outcome::Rejected(_) => self.owed += 1,
             Outcome::Accepted if answered => self.owed += 1,
+            // Answered where knots before it are missing.
+            Outcome::Accepted if knot => {
+                self.knots += 1;
+                let answers = self.answers() - before;
+                assert!(answers <= 1);
+                self.owed += answers;
+            }
             // At most once: what is still being planned is answered then.
             Outcome::Repeated => {
                 let again = self.answers() - before;
@@ -245,7 +260,7 @@ impl Run {
         self.bench.reports.iter().filter(answer).count()
     }
 
-    fn number(&mut self, ahead: u8) -> u8 {
+    pub fn number(&mut self, ahead: u8) -> u8 {
         self.bench.sequence = self.bench.sequence.wrapping_add(ahead);
         self.bench.sequence
     }
@@ -259,14 +274,14 @@ impl Run {
         });
     }
 
-    fn run(&mut self, ticks: u64) {
+    pub fn run(&mut self, ticks: u64) {
         for _ in 0..ticks {
             self.bench.step();
             self.moved += u64::from(self.bench.velocity() != 0.0);
         }
     }
 
-    fn target(&self, target: Target) -> Position {
+    pub fn target(&self, target: Target) -> Position {
         let limits = self.bench.axis.limits();
         let wanted = match target {
             Target::Inside(part) => {
@@ -292,7 +307,7 @@ impl Run {
         }
     }
 
-    fn take(&mut self, step: Step) {
+    pub fn take(&mut self, step: Step) {
         match step {
             Step::Run(ticks) => self.run(ticks),
             Step::Recover => {
@@ -330,6 +345,7 @@ impl Run {
                 session,
                 start: Tick(self.bench.tick.saturating_add_signed(ahead)),
             }),
+            Step::Stream(step) => self.stream(step),
             Step::Shape(acceleration, deceleration, ahead) => {
                 let sequence = self.number(ahead);
                 self.send(Command::TrapezoidShape {
@@ -403,7 +419,7 @@ impl Run {
 }
 
 /// Plans at once, or with frames and ticks between taking a plan and bringing it back.
-fn planner() -> impl Strategy<Value = Planner> {
+pub fn planner() -> impl Strategy<Value = Planner> {
     let delay = prop_oneof![
         10 => (0u8..4).prop_map(Some),
         3 => (0u8..20).prop_map(Some),
@@ -418,15 +434,26 @@ fn planner() -> impl Strategy<Value = Planner> {
     (lead, delays).prop_map(|(lead, delays)| Planner::erratic(lead, delays))
 }
 
-fn run(limits: Limits, place: f64, planner: Planner, steps: Vec<Step>) -> Run {
+/// Where the drive stands: inside the travel, or anywhere.
+fn place() -> impl Strategy<Value = Target> {
+    prop_oneof![
+        3 => (0.0..=1.0f64).prop_map(Target::Inside),
+        1 => (-20.0..20.0f64).prop_map(Target::Turns),
+    ]
+}
+
+fn run(limits: Limits, place: Target, planner: Planner, steps: Vec<Step>) -> Run {
     let mut run = Run {
-        bench: Bench::new(limits, place),
+        bench: Bench::new(limits, 0.0),
         frames: Vec::new(),
         group: 0,
+        knot: LastKnot::default(),
+        knots: 0,
         owed: 0,
         repeated: 0,
         moved: 0,
     };
+    run.bench.drive = Simulated::new(run.target(place));
     run.bench.planner = planner;
     run.run(5);
     run.take(Step::Recover);
@@ -453,7 +480,7 @@ proptest! {
     #[test]
     fn no_frames_make_a_setpoint_leave_its_limits(
         limits in limits(),
-        place in -20.0..20.0f64,
+        place in place(),
         planner in planner(),
         steps in prop::collection::vec(step(), 1..60),
     ) {
@@ -465,13 +492,14 @@ proptest! {
 #[test]
 fn the_random_frames_move_the_axis_and_their_plans_are_late() {
     let mut runner = TestRunner::deterministic();
-    let (mut moved, mut outcomes) = (0, Vec::new());
-    for _ in 0..300 {
+    let (mut moved, mut knots, mut outcomes) = (0, 0, Vec::new());
+    for _ in 0..400 {
         let steps = prop::collection::vec(step(), 1..60);
-        let case = (limits(), -20.0..20.0f64, planner(), steps).new_tree(&mut runner);
+        let case = (limits(), place(), planner(), steps).new_tree(&mut runner);
         let (limits, place, planner, steps) = case.expect("a case").current();
         let run = run(limits, place, planner, steps);
         moved += run.moved;
+        knots += run.knots;
         outcomes.extend(run.bench.planner.outcomes);
     }
     let count = |wanted: fn(&Outcome) -> bool| outcomes.iter().filter(|o| wanted(o)).count();
@@ -479,6 +507,7 @@ fn the_random_frames_move_the_axis_and_their_plans_are_late() {
     let late = count(|outcome| *outcome == Outcome::Planning);
     let overtaken = count(|outcome| *outcome == Outcome::Ignored);
     assert!(moved > 10_000, "{moved}");
+    assert!(knots > 500, "{knots}");
     assert!(accepted > 300, "{accepted}");
     assert!(late > 50, "{late}");
     assert!(overtaken > 50, "{overtaken}");

@@ -26,6 +26,12 @@ const _: () = assert!((LONGEST_PIECE as i64) < i64::MAX >> (43 + VELOCITY_BITS))
 /// What one tick is of a second, as a Q64 fraction.
 const TICK: u64 = ALMOST_ONE / TICKS_PER_SECOND;
 
+/// Counts that a position may be off by rounding.
+const ROUNDING: i64 = 8;
+
+/// A second in ticks; what is shorter is a fraction.
+const SECOND: u16 = TICKS_PER_SECOND as u16;
+
 /// How often a curve is halved before a limit counts as broken: its control values are then off by
 /// less than 1/256 of what they first were.
 const HALVINGS: u32 = 4;
@@ -59,7 +65,7 @@ impl Piece {
         ticks: u16,
         limits: &Limits,
     ) -> Result<Self, Breach> {
-        let shape = Shape::between(from, to, ticks, limits)?;
+        let shape = Shape::between(from, to, ticks.max(1), limits)?;
         let [v0, v1, v2, v3, v4] = shape.velocity;
         // Forward differences times binomial coefficients, integrated: 4 / 2, 6 / 3, 4 / 4, 1 / 5.
         let fourth = v4 - 4 * v3 + 6 * v2 - 4 * v1 + v0;
@@ -81,7 +87,7 @@ impl Piece {
             from: from.position,
             rate,
             acceleration,
-            step: ALMOST_ONE / u64::from(ticks.max(1)),
+            step: divide_unsigned(ALMOST_ONE, ticks.max(1)),
             ticks,
         })
     }
@@ -121,15 +127,17 @@ impl Piece {
 
 impl Shape {
     fn between(from: &Place, to: &Place, ticks: u16, limits: &Limits) -> Result<Self, Breach> {
-        let ticks = i64::from(ticks.max(1));
         let rate = TICKS_PER_SECOND as i64;
         let fastest = limits.velocity().counts();
         let difference = to.position.saturating_sub(from.position);
         let thousandfold = difference.saturating_mul(rate);
-        for velocity in [from.velocity, to.velocity, thousandfold / ticks] {
+        for velocity in [from.velocity, to.velocity] {
             if velocity.saturating_abs() > fastest {
                 return Err(Breach::Velocity(velocity));
             }
+        }
+        if thousandfold.saturating_abs() > fastest * i64::from(ticks) {
+            return Err(Breach::Velocity(divide(thousandfold, ticks)));
         }
         let speeding_up = limits.acceleration().counts();
         let strongest = speeding_up.max(limits.deceleration().counts());
@@ -146,29 +154,36 @@ impl Shape {
             }
         }
         // The mean is below 2^43 counts/s, and so the thousandfold below 2^43 * 2040 < 2^54.
-        let mean = (thousandfold << VELOCITY_BITS) / ticks;
+        let mean = divide(thousandfold << VELOCITY_BITS, ticks);
         let v0 = from.velocity << VELOCITY_BITS;
         let v4 = to.velocity << VELOCITY_BITS;
+        let rates = Rates {
+            velocity: fastest << VELOCITY_BITS,
+            acceleration: limits.acceleration().counts() << ACCELERATION_BITS,
+            deceleration: limits.deceleration().counts() << ACCELERATION_BITS,
+        };
         let shape = match (from.acceleration, to.acceleration) {
             (Some(first), Some(last)) => {
                 // a T / 4 with T = ticks / 1000: a * ticks is below 2^61.
                 let quarter = |acceleration: i64| {
                     let raised = TICK << (VELOCITY_BITS - 2);
-                    scale(acceleration * ticks, raised)
+                    scale(acceleration * i64::from(ticks), raised)
                 };
                 let v1 = v0 + quarter(first);
                 let v3 = v4 - quarter(last);
                 // The mean of the control values is that of the velocity.
                 let velocity = [v0, v1, 5 * mean - v0 - v1 - v3 - v4, v3, v4];
                 let [_, v1, v2, v3, _] = velocity;
+                let acceleration = [
+                    first << ACCELERATION_BITS,
+                    per_second(v2 - v1, 4, ticks)?,
+                    per_second(v3 - v2, 4, ticks)?,
+                    last << ACCELERATION_BITS,
+                ];
+                rates.keep(velocity, acceleration, HALVINGS)?;
                 Self {
                     velocity,
-                    acceleration: [
-                        first << ACCELERATION_BITS,
-                        per_second(v2 - v1, 4, ticks)?,
-                        per_second(v3 - v2, 4, ticks)?,
-                        last << ACCELERATION_BITS,
-                    ],
+                    acceleration,
                 }
             }
             _ => {
@@ -176,6 +191,7 @@ impl Shape {
                 let middle = 3 * mean - v0 - v4;
                 let first = per_second(middle - v0, 2, ticks)?;
                 let last = per_second(v4 - middle, 2, ticks)?;
+                rates.keep([v0, middle, v4], [first, last], HALVINGS)?;
                 Self {
                     velocity: [
                         v0,
@@ -193,20 +209,22 @@ impl Shape {
                 }
             }
         };
-        shape.keeps(from.position, ticks, limits)?;
+        shape.stays(from.position, ticks, limits)?;
         Ok(shape)
     }
 
-    /// Whether the piece from `position` keeps the limits everywhere.
-    fn keeps(&self, position: i64, ticks: i64, limits: &Limits) -> Result<(), Breach> {
-        Rates {
-            velocity: limits.velocity().counts() << VELOCITY_BITS,
-            acceleration: limits.acceleration().counts() << ACCELERATION_BITS,
-            deceleration: limits.deceleration().counts() << ACCELERATION_BITS,
+    /// Whether the piece from `position` stays inside the travel.
+    fn stays(&self, position: i64, ticks: u16, limits: &Limits) -> Result<(), Breach> {
+        // Mostly the ends of the travel are too far away to be reached in this time.
+        let whole = u64::from(ticks).wrapping_mul(TICK);
+        let reach = scale(limits.velocity().counts(), whole) + ROUNDING;
+        let least = Position::from_counts(position.saturating_sub(reach));
+        let greatest = Position::from_counts(position.saturating_add(reach));
+        if ticks < SECOND && limits.allow(least) && limits.allow(greatest) {
+            return Ok(());
         }
-        .keep(self.velocity, self.acceleration, HALVINGS)?;
         // T / 5 = ticks / 5000 of a second.
-        let fifth = ticks as u64 * (TICK / 5);
+        let fifth = u64::from(ticks) * (TICK / 5);
         let mut control = [position; 6];
         let mut sum = 0i64;
         for (value, velocity) in control.iter_mut().skip(1).zip(self.velocity) {
@@ -218,15 +236,39 @@ impl Shape {
 }
 
 /// `factor` times a raised difference of velocities over `ticks`, as a raised acceleration.
-fn per_second(difference: i64, factor: i64, ticks: i64) -> Result<i64, Breach> {
+fn per_second(difference: i64, factor: i64, ticks: u16) -> Result<i64, Breach> {
     const RATE: i64 = TICKS_PER_SECOND as i64 >> (VELOCITY_BITS - ACCELERATION_BITS);
     let product = difference.checked_mul(factor * RATE);
     let beyond = Breach::Acceleration(if difference < 0 { i64::MIN } else { i64::MAX });
-    let value = product.ok_or(beyond)? / ticks;
+    let value = divide(product.ok_or(beyond)?, ticks);
     // No limit is above 2^50, and a curve of degree three below that has no control value above
     // 5 * 2^50; beyond this the sums of the halving might not fit.
     let fits = value.saturating_abs() < 1 << (53 + ACCELERATION_BITS);
     fits.then_some(value).ok_or(beyond)
+}
+
+/// `value / ticks`, towards zero.
+fn divide(value: i64, ticks: u16) -> i64 {
+    let quotient = divide_unsigned(value.unsigned_abs(), ticks) as i64;
+    if value < 0 {
+        quotient.wrapping_neg()
+    } else {
+        quotient
+    }
+}
+
+/// `value / ticks`, for a number of ticks that is not 0: in four digits of 16 bits, since the device
+/// has an instruction for those, and none for 64 bits.
+fn divide_unsigned(value: u64, ticks: u16) -> u64 {
+    let ticks = u32::from(ticks.max(1));
+    let (mut quotient, mut rest) = (0, 0);
+    for digit in [48, 32, 16, 0] {
+        // The rest is below 2^16.
+        let part = rest << 16 | (value >> digit) as u32 & 0xFFFF;
+        quotient = quotient << 16 | u64::from(part / ticks);
+        rest = part % ticks;
+    }
+    quotient
 }
 
 /// The nearest integer to a raised value; a half goes up.
@@ -273,10 +315,10 @@ struct Rates {
 
 impl Rates {
     /// Whether both curves keep the limits, looked at in up to 2^`halvings` parts.
-    fn keep(
+    fn keep<const V: usize, const A: usize>(
         &self,
-        velocity: [i64; 5],
-        acceleration: [i64; 4],
+        velocity: [i64; V],
+        acceleration: [i64; A],
         halvings: u32,
     ) -> Result<(), Breach> {
         // What is rounded to a standstill has no direction.
@@ -347,4 +389,22 @@ fn inside(control: [i64; 6], limits: &Limits, halvings: u32) -> Result<(), Breac
     let (control, next) = halve(control);
     inside(control, limits, halvings - 1)?;
     inside(next, limits, halvings - 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(20_000))]
+
+        #[test]
+        fn digits_divide_as_whole_numbers_do(value: i64, shift in 0u32..64, ticks in 1u16..) {
+            let value = value >> shift;
+            prop_assert_eq!(divide(value, ticks), value / i64::from(ticks));
+            let whole = value as u64;
+            prop_assert_eq!(divide_unsigned(whole, ticks), whole / u64::from(ticks));
+        }
+    }
 }

@@ -6,18 +6,26 @@ use core::hint::black_box;
 use core::num::NonZeroU8;
 
 use canter_images::{count, finish, report};
+use canter_shared::axis::Axis;
+use canter_shared::axis::fault::Fault;
+use canter_shared::axis::state::State;
+use canter_shared::drive::simulated::Simulated;
 use canter_shared::limits::Limits;
 use canter_shared::motion::Setpoint;
 use canter_shared::motion::beta::Beta;
 use canter_shared::motion::shaping::{MOST_IMPULSES, Shaper, ShaperKind, Shaping};
 use canter_shared::motion::stream::{Knot, LOOK_AHEAD, Stream};
+use canter_shared::node::{Board, Identity, Node};
 use canter_shared::time::{Tick, Ticks};
 use canter_shared::units::{Acceleration, COUNTS_PER_TURN, Position, Velocity};
+use canter_shared::wire::command::{Action, Command, wire_position, wire_velocity};
+use canter_shared::wire::id::{Address, AxisId};
 use cortex_m_rt::entry;
 
 #[entry]
 fn main() -> ! {
     measure_stream();
+    measure_streaming_axis();
     measure_shaping();
     finish()
 }
@@ -57,7 +65,8 @@ fn measure_stream() {
         report(format_args!("stream.{name}.at.most"), at);
         report(format_args!("stream.{name}.push.most"), push);
     }
-    measure_hostile_knots(&limits, period);
+    measure_hostile_knots(&limits, period, false, "cubic");
+    measure_hostile_knots(&limits, period, true, "quintic");
     report("stream.bytes", size_of::<Stream>());
 }
 
@@ -83,7 +92,7 @@ impl Random {
 }
 
 /// Knots that come near the limits, and over them: those take longest to be looked at.
-fn measure_hostile_knots(limits: &Limits, period: NonZeroU8) {
+fn measure_hostile_knots(limits: &Limits, period: NonZeroU8, quintic: bool, name: &str) {
     let mut random = Random(1);
     let (velocity, acceleration) = (limits.velocity().counts(), limits.acceleration().counts());
     let (mut most, mut accepted) = (0, 0);
@@ -104,12 +113,118 @@ fn measure_hostile_knots(limits: &Limits, period: NonZeroU8) {
         let bend = random.part(acceleration / 20_000);
         to.position = Position::from_counts(mean / 50 + bend);
         let mut stream = Stream::new(Tick(0), 0, from, period);
-        let (stream, knot) = (&mut stream, knot(to, true));
+        let (stream, knot) = (&mut stream, knot(to, quintic));
         most = most.max(count(|| stream.push(Tick(0), 1, black_box(&knot), limits)));
         accepted += u32::from(stream.ends() > Tick(0));
     }
-    report("stream.hostile.accepted", accepted);
-    report("stream.hostile.push.most", most);
+    report(format_args!("stream.hostile_{name}.accepted"), accepted);
+    report(format_args!("stream.hostile_{name}.push.most"), most);
+}
+
+/// A stream as it comes to a node: a frame for each knot, a tick each millisecond, then no more
+/// knots, so that it brakes.
+fn measure_streaming_axis() {
+    const SESSION: u16 = 1;
+    let mut node: Node<Simulated, 1> = Node::new(Identity {
+        chip: [0; 12],
+        firmware: [0; 3],
+        board: Board::Emulated,
+    });
+    let Some(axis) = AxisId::new(1) else {
+        panic!("1 is an axis")
+    };
+    let added = node.add_axis(axis, Limits::default(), Simulated::new(Position::ZERO));
+    assert!(added.is_ok(), "a node has room for its axis");
+    let tick = |node: &mut Node<Simulated, 1>, moved: &mut u32| {
+        let now = node.next_tick();
+        let mut moves = false;
+        let spent = count(|| {
+            let setpoints = node.tick(black_box(now));
+            moves = setpoints
+                .iter()
+                .any(|axis| axis.setpoint.velocity > Velocity::ZERO);
+        });
+        if moves {
+            *moved = spent.max(*moved);
+        }
+        while node.poll_transmit(now).is_some() {}
+    };
+    let say = |node: &mut Node<Simulated, 1>, command: Command| {
+        let address = match command {
+            Command::HostHeartbeat { .. } => Address::All,
+            _ => Address::Axis(axis),
+        };
+        let Ok(frame) = command.encode(address) else {
+            panic!("{command:?} does not fit a frame")
+        };
+        let now = node.next_tick();
+        count(|| node.handle_frame(black_box(now), black_box(&frame)))
+    };
+    let mut ignored = 0;
+    tick(&mut node, &mut ignored);
+    for (action, sequence) in [(Action::Hold, 1), (Action::Enable, 2)] {
+        say(
+            &mut node,
+            Command::Control {
+                action,
+                sequence,
+                session: SESSION,
+            },
+        );
+        for _ in 0..10 {
+            tick(&mut node, &mut ignored);
+        }
+    }
+    let start = node.bus_time(node.next_tick()).next_tick().after(Ticks(1));
+    let begin = say(
+        &mut node,
+        Command::StreamBegin {
+            start,
+            period: 20,
+            number: 0,
+            sequence: 3,
+        },
+    );
+    let range = Position::from_counts(3 * COUNTS_PER_TURN);
+    let motion = Beta::new(Tick(0), range, Ticks(4_000));
+    let (mut knot, mut streaming, mut braking) = (0, 0, 0);
+    for number in 1..=100 {
+        let state = motion.at(Tick(20 * number));
+        let command = Command::Knot {
+            position: wire_position(state.position),
+            velocity: wire_velocity(state.velocity),
+            number: (number % 64) as u8,
+        };
+        knot = knot.max(say(&mut node, command));
+        // The start is two ticks ahead: one knot less fits.
+        if number as usize >= LOOK_AHEAD - 1 {
+            for _ in 0..20 {
+                tick(&mut node, &mut streaming);
+            }
+            if number % 10 == 0 {
+                say(&mut node, Command::HostHeartbeat { session: SESSION });
+            }
+        }
+    }
+    while node
+        .axes()
+        .all(|axis| axis.state() == State::OperationEnabled)
+    {
+        tick(&mut node, &mut streaming);
+    }
+    let underrun = |axis: &Axis| axis.fault() == Some(Fault::StreamUnderrun);
+    assert!(node.axes().all(underrun), "it has run dry");
+    while node
+        .axes()
+        .any(|axis| axis.state() == State::FaultReactionActive)
+    {
+        tick(&mut node, &mut braking);
+    }
+    report("node.stream_begin", begin);
+    report("node.knot.most", knot);
+    report("node.tick_stream.most", streaming);
+    report("node.tick_stream_brake.most", braking);
+    report("axis.bytes", size_of::<Axis>());
 }
 
 fn measure_shaping() {
