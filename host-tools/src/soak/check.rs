@@ -11,12 +11,14 @@
 //! | `setpoint` | limits and continuity |
 //! | `authority` | who may have an axis moved, enabled, cleared |
 //! | `stopping` | when an axis must rest |
+//! | `parameters` | what an axis may be set to |
 //! | `answers` | what an axis may answer |
 //! | `statistics` | what an episode was made of |
 
 mod answers;
 mod authority;
 mod believed;
+mod parameters;
 mod setpoint;
 mod statistics;
 mod stopping;
@@ -26,6 +28,8 @@ use canter_shared::axis::state::State;
 use canter_shared::drive::DriveReport;
 use canter_shared::limits::Limits;
 use canter_shared::motion::Setpoint;
+use canter_shared::motion::shaping::Shaper;
+use canter_shared::parameter::Values;
 use canter_shared::time::{Tick, Ticks};
 use canter_shared::wire::command::{Command, Session};
 use canter_shared::wire::frame::Frame;
@@ -33,10 +37,12 @@ use canter_shared::wire::id::AxisId;
 use canter_shared::wire::report::Report;
 
 use super::invariant::{Invariant, Violation};
+use crate::robot::RobotAxis;
 use crate::sim::{AxisTick, Station, Transmission, TrueTime};
 use answers::Answers;
 use authority::Authority;
-use believed::Believed;
+use believed::{Admission, Believed};
+use parameters::Parameters;
 use setpoint::Setpoints;
 pub use statistics::Statistics;
 use stopping::Stopping;
@@ -83,20 +89,36 @@ impl Glance {
 
 /// What the checker believes that an axis is set to.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Believe {
-    pub(super) axis: AxisId,
-    pub(super) limits: Limits,
+struct Believe {
+    axis: AxisId,
+    limits: Limits,
     /// By how much its shaper delays what it does.
-    pub(super) delay: Ticks,
+    delay: Ticks,
     /// Silence of its holder after which it stops.
-    pub(super) host_timeout: Ticks,
+    host_timeout: Ticks,
 }
 
-/// One axis under watch, from one beginning of its node to the next.
+impl Believe {
+    fn of(axis: AxisId, values: &Values) -> Self {
+        let settings = values.settings();
+        let mut shaper = Shaper::none();
+        // A new one is at rest, so it takes any that is possible.
+        let shaped = shaper.change(settings.shaping.as_ref());
+        Self {
+            axis,
+            limits: settings.limits,
+            delay: shaped.map_or(Ticks(0), |()| shaper.delay()),
+            host_timeout: settings.host_timeout,
+        }
+    }
+}
+
+/// One axis under watch.
 #[derive(Debug)]
 struct Watch {
     believe: Believe,
-    /// When its node last lost or got its power.
+    parameters: Parameters,
+    /// What follows begins anew with the node.
     since: TrueTime,
     believed: Believed,
     setpoints: Setpoints,
@@ -107,9 +129,15 @@ struct Watch {
 }
 
 impl Watch {
-    fn new(believe: Believe, since: TrueTime) -> Self {
+    fn new(axis: &RobotAxis) -> Self {
+        let believe = Believe::of(axis.id, &axis.values);
+        Self::with(believe, Parameters::new(&axis.values), TrueTime(0))
+    }
+
+    fn with(believe: Believe, parameters: Parameters, since: TrueTime) -> Self {
         Self {
             believe,
+            parameters,
             since,
             believed: Believed::new(believe.axis, believe.host_timeout),
             setpoints: Setpoints::default(),
@@ -120,28 +148,55 @@ impl Watch {
         }
     }
 
-    fn tick(&mut self, now: &Glance, statistics: &mut Statistics) -> Verdict {
+    /// The node has lost its power, or has it again.
+    fn power(&mut self, time: TrueTime) {
+        let kept = Parameters::new(self.parameters.values());
+        let mut parameters = std::mem::replace(&mut self.parameters, kept);
+        parameters.power_off();
+        *self = Self::with(self.believe, parameters, time);
+    }
+
+    fn tick(
+        &mut self,
+        now: &Glance,
+        claimed: (&Values, &Limits),
+        statistics: &mut Statistics,
+    ) -> Verdict {
         let last = self.last.replace(*now);
-        statistics.tick(last.as_ref(), now);
-        self.believed.tick(last.as_ref(), now)?;
-        self.authority
-            .tick(last.as_ref(), now, &mut self.believed)?;
-        if let Some(last) = &last {
+        let (last, axis) = (last.as_ref(), self.believe.axis);
+        statistics.tick(last, now);
+        if self.parameters.tick(axis.get(), last, now, claimed)? {
+            self.believe = Believe::of(axis, self.parameters.values());
+            self.believed.set_timeout(self.believe.host_timeout);
+            self.setpoints
+                .change(now.setpoint.position, &self.believe.limits);
+            statistics.changes += u64::from(last.is_some());
+        }
+        self.believed.tick(last, now)?;
+        self.authority.tick(last, now, &mut self.believed)?;
+        if let Some(last) = last {
             self.setpoints.tick(last, now, &self.believe)?;
         }
-        let asked = self.believed.take_asked();
-        self.stopping
-            .tick(last.as_ref(), now, asked, &self.believe, statistics)
+        self.believed.forget_asked();
+        self.stopping.tick(last, now, &self.believe, statistics)
     }
 
     fn command(&mut self, time: TrueTime, frame: &Frame, command: &Command) {
         let admission = self.believed.take(time, frame, command, self.last.as_ref());
         self.answers.command(command, admission);
+        if admission == Admission::Yes {
+            self.parameters.command(self.believe.axis.get(), command);
+        }
         if let Some(last) = &self.last {
             let moves = self.believed.was_asked_to_move();
             self.stopping
                 .command(time, command, moves, last, &self.believe);
         }
+    }
+
+    fn report(&mut self, report: &Report) -> Verdict {
+        self.parameters.report(report);
+        self.answers.report(report)
     }
 }
 
@@ -156,10 +211,10 @@ pub(super) struct Checker {
 
 impl Checker {
     /// For the nodes of these axes, in their order.
-    pub(super) fn new(seed: u64, axes: impl Iterator<Item = Believe>) -> Self {
+    pub(super) fn new(seed: u64, axes: &[RobotAxis]) -> Self {
         Self {
             seed,
-            watches: axes.map(|axis| Watch::new(axis, TrueTime(0))).collect(),
+            watches: axes.iter().map(|axis| Watch::new(axis)).collect(),
             statistics: Statistics::default(),
             violation: None,
         }
@@ -205,9 +260,9 @@ impl Checker {
     }
 
     /// A node did its tick.
-    pub(super) fn tick(&mut self, node: usize, now: &Glance) {
+    pub(super) fn tick(&mut self, node: usize, now: &Glance, claimed: (&Values, &Limits)) {
         if let Some(watch) = self.watches.get_mut(node) {
-            let verdict = watch.tick(now, &mut self.statistics);
+            let verdict = watch.tick(now, claimed, &mut self.statistics);
             self.judge(now.time, node, verdict);
         }
     }
@@ -216,7 +271,7 @@ impl Checker {
     pub(super) fn power(&mut self, time: TrueTime, node: usize, on: bool) {
         self.statistics.resets += u64::from(on);
         if let Some(watch) = self.watches.get_mut(node) {
-            *watch = Watch::new(watch.believe, time);
+            watch.power(time);
         }
     }
 
@@ -241,7 +296,7 @@ impl Checker {
         if let Some(watch) = self.watches.get_mut(node)
             && watch.since <= transmission.start
         {
-            let verdict = watch.answers.report(&report);
+            let verdict = watch.report(&report);
             self.judge(transmission.end, node, verdict);
         }
     }

@@ -7,6 +7,7 @@ use std::rc::Rc;
 use std::time::Duration;
 
 use canter_shared::axis::state::State;
+use canter_shared::parameter::Parameter;
 use canter_shared::time::{BusTime, Tick};
 use canter_shared::units::{COUNTS_PER_TURN, Position};
 use canter_shared::wire::command::Command;
@@ -18,9 +19,10 @@ use super::check::{Checker, Glance, Statistics};
 use super::fault::Faults;
 use super::invariant::{Invariant, Violation};
 use super::recording::{Input, Recording};
-use super::sabotage::{Ghost, Sabotage};
+use super::sabotage::{Ghost, Sabotage, raised, wear_out};
 use super::scenario::Scenario;
 use crate::bus::Bus;
+use crate::robot::RobotAxis;
 use crate::sim::{
     AxisTick, Delivery, Disturbance, Observer, SimulatedBus, Station, Transmission, TrueTime,
 };
@@ -71,6 +73,10 @@ struct Witness {
     heard: Heard,
     frames: Vec<(BusTime, Frame)>,
     sabotage: Option<Sabotage>,
+    /// What the axes say that they are, where that is not what they are.
+    meant: Vec<RobotAxis>,
+    /// The node that is to begin with something that was never saved.
+    begins: Option<usize>,
     /// Counts what a saboteur lets pass.
     passed: u64,
 }
@@ -163,12 +169,28 @@ impl Observer for Witness {
                 tick.axis.limits()
             );
         }
-        if self.sabotage_tick(tick.node, &mut now).is_some() {
-            self.checker.tick(tick.node, &now);
+        let mut values = *tick.axis.values();
+        let mut limits = *tick.axis.limits();
+        if let Some(axis) = self.meant.get(tick.node)
+            && values == raised(axis)
+        {
+            (values, limits) = (axis.values, axis.limits());
+        }
+        if self.begins.take_if(|node| *node == tick.node).is_some() {
+            let parameter = Parameter::HeartbeatPeriod;
+            let torn = values.with(parameter, values.get(parameter) ^ 1);
+            values = torn.map_or(values, |(torn, _)| torn);
+        }
+        let shown = self.sabotage_tick(tick.node, &mut now);
+        if shown.is_some() {
+            self.checker.tick(tick.node, &now, (&values, &limits));
         }
     }
 
     fn power(&mut self, time: TrueTime, node: usize, on: bool) {
+        if on && self.sabotage == Some(Sabotage::TornParameters) {
+            self.begins = Some(node);
+        }
         self.checker.power(time, node, on);
     }
 
@@ -184,16 +206,23 @@ pub(super) struct Stage {
     bus: SimulatedBus,
     witness: Rc<RefCell<Witness>>,
     inputs: Vec<Input>,
+    /// When flash loses something next, where that is wanted.
+    wears_out: BusTime,
 }
 
 impl Stage {
     pub(super) fn new(seed: u64, options: Options, scenario: &Scenario) -> Self {
         let mut bus = SimulatedBus::new(&scenario.configuration);
         let witness = Rc::new(RefCell::new(Witness {
-            checker: Checker::new(seed, scenario.believes.iter().copied()),
+            checker: Checker::new(seed, &scenario.axes),
             heard: Heard::default(),
             frames: Vec::new(),
             sabotage: options.sabotage,
+            meant: match options.sabotage {
+                Some(Sabotage::HigherLimits) => scenario.axes.clone(),
+                _ => Vec::new(),
+            },
+            begins: None,
             passed: 0,
         }));
         bus.observe(Rc::clone(&witness));
@@ -206,11 +235,18 @@ impl Stage {
             bus,
             witness,
             inputs: Vec::new(),
+            wears_out: BusTime(5_000_000),
         }
     }
 
     /// Lets time pass; says whether all is still well.
     pub(super) fn run(&mut self, until: BusTime) -> bool {
+        let wears_out = self.options.sabotage == Some(Sabotage::WornFlash);
+        while wears_out && self.wears_out <= until {
+            self.bus.run(self.wears_out);
+            self.wears_out = BusTime(self.wears_out.0 + 5_000_000);
+            wear_out(&mut self.bus);
+        }
         self.bus.run(until);
         self.witness.borrow().checker.violation().is_none()
     }
@@ -267,7 +303,7 @@ pub(super) fn play(seed: u64, options: Options, act: impl FnOnce(&mut Stage, &Sc
     // Nothing of a stage that has panicked is used but what the observer has written down.
     let played = catch_unwind(AssertUnwindSafe(|| act(&mut stage, &scenario)));
     let panicked = played.err().map(|panic| words(&*panic));
-    stage.end(scenario.believes.len(), panicked)
+    stage.end(scenario.axes.len(), panicked)
 }
 
 fn words(panic: &(dyn Any + Send)) -> String {
@@ -303,10 +339,9 @@ pub fn run(seed: u64, options: Options) -> Ending {
 
 fn actors(seed: u64, options: Options, scenario: &Scenario) -> Vec<Box<dyn Actor>> {
     let sheets = || {
-        let believes = scenario.believes.iter();
-        believes.map(|believe| Sheet {
-            id: believe.axis,
-            limits: believe.limits,
+        scenario.axes.iter().map(|axis| Sheet {
+            id: axis.id,
+            limits: axis.limits(),
         })
     };
     let commander = Commander::new(seed, sheets(), &scenario.absences);

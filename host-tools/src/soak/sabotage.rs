@@ -1,18 +1,24 @@
 //! What tests break on purpose: a checker that finds nothing has found nothing only if it would.
 
-use canter_shared::limits::{LARGEST_ACCELERATION, LARGEST_VELOCITY, LimitValues, Limits};
+use std::time::Duration;
+
+use canter_shared::parameter::{Parameter, Values};
 use canter_shared::time::BusTime;
 use canter_shared::wire::command::Command;
 use canter_shared::wire::frame::Frame;
 use canter_shared::wire::id::Address;
 
+use embedded_storage::nor_flash::{NorFlash, ReadNorFlash};
+
 use super::actor::{Actor, Heard, Voice};
+use crate::robot::RobotAxis;
+use crate::sim::{Disturbance, SimulatedBus, SimulatedFlash};
 
 /// One thing that is broken in the robot or in its wiring, so that an invariant must be violated.
 /// Tests ask for it; the command line cannot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sabotage {
-    /// The nodes are given rates half as high again as the robot is meant to have.
+    /// The nodes have limits half as high again as they say.
     HigherLimits,
     /// Setpoints of axes in motion jump by a hundredth of a turn once in a while.
     Jump,
@@ -26,6 +32,10 @@ pub enum Sabotage {
     DeafToStop,
     /// A node forgets its fault by itself.
     ForgottenFault,
+    /// Nodes lose a word of their flash while they have no power.
+    WornFlash,
+    /// A parameter of a node that begins is one that was never saved.
+    TornParameters,
     /// An answer is given twice.
     DoubledAnswer,
     /// A node panics.
@@ -34,7 +44,7 @@ pub enum Sabotage {
 
 impl Sabotage {
     /// Every kind.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 11] = [
         Self::HigherLimits,
         Self::Jump,
         Self::MissedTick,
@@ -42,23 +52,40 @@ impl Sabotage {
         Self::HiddenMove,
         Self::DeafToStop,
         Self::ForgottenFault,
+        Self::WornFlash,
+        Self::TornParameters,
         Self::DoubledAnswer,
         Self::Panic,
     ];
 }
 
-/// The same travel with rates half as high again, or as high as can be.
-pub(super) fn raised(limits: &Limits) -> Limits {
-    let more = |value: f64, most: f64| (value * 1.5).min(most);
-    let values = LimitValues {
-        velocity: more(limits.velocity().radians(), LARGEST_VELOCITY),
-        acceleration: more(limits.acceleration().radians(), LARGEST_ACCELERATION),
-        deceleration: more(limits.deceleration().radians(), LARGEST_ACCELERATION),
-        jerk: limits.jerk().radians(),
-        position_minimum: limits.position_minimum().radians(),
-        position_maximum: limits.position_maximum().radians(),
+/// The values of an axis with rates half as high again, or as high as can be.
+pub(super) fn raised(axis: &RobotAxis) -> Values {
+    let rates = [
+        Parameter::VelocityLimit,
+        Parameter::AccelerationLimit,
+        Parameter::DecelerationLimit,
+    ];
+    rates.into_iter().fold(axis.values, |values, rate| {
+        let most = rate.entry().maximum;
+        let raw = (values.get(rate) / 2 * 3).min(most);
+        values.with(rate, raw).map_or(values, |(raised, _)| raised)
+    })
+}
+
+/// The first node loses its power, and a word of each page of its flash with it.
+pub(super) fn wear_out(bus: &mut SimulatedBus) {
+    let node = 0;
+    let time = Duration::ZERO;
+    bus.disturb(Disturbance::CutPower { node, time });
+    let Some(flash) = bus.flash_mut(node) else {
+        return;
     };
-    Limits::new(&values).unwrap_or(*limits)
+    for page in (0..flash.capacity()).step_by(SimulatedFlash::ERASE_SIZE) {
+        // Zeros can be written over anything.
+        let written = flash.write(page as u32, &[0; SimulatedFlash::WRITE_SIZE]);
+        debug_assert!(written.is_ok(), "{written:?}");
+    }
 }
 
 /// Beats for every session that holds an axis, dead or alive.

@@ -2,16 +2,15 @@
 
 use std::time::Duration;
 
-use canter_shared::axis::HOST_TIMEOUT;
 use canter_shared::limits::{
     DEFAULT_VALUES, FARTHEST_POSITION, LARGEST_ACCELERATION, LARGEST_JERK, LARGEST_VELOCITY,
     LimitValues, Limits, SMALLEST_RATE,
 };
-use canter_shared::motion::shaping::{Shaper, ShaperKind, Shaping};
-use canter_shared::time::{BusTime, Ticks};
+use canter_shared::motion::shaping::{ShaperKind, Shaping};
+use canter_shared::parameter::Values;
+use canter_shared::time::BusTime;
 use canter_shared::wire::id::{AxisId, LAST_AXIS};
 
-use super::check::Believe;
 use super::dice::Dice;
 use super::episode::{EPISODE, Options};
 use super::fault::FaultKind;
@@ -36,8 +35,8 @@ pub(super) struct Absence {
 #[derive(Debug)]
 pub(super) struct Scenario {
     pub(super) configuration: Configuration,
-    /// What the checker takes the axes for.
-    pub(super) believes: Vec<Believe>,
+    /// What the axes are meant to be.
+    pub(super) axes: Vec<RobotAxis>,
     pub(super) absences: Vec<Absence>,
     /// What goes wrong at a certain time.
     pub(super) orders: Vec<(BusTime, Disturbance)>,
@@ -54,10 +53,10 @@ impl Scenario {
         let drawn = FaultKind::ALL.map(|kind| dice.percent(50) && faults.has(kind));
         let has = |kind: FaultKind| drawn[kind as usize];
         let mut axes = robot(seed, options.axes);
-        let believes = axes.iter().map(believe).collect();
+        let meant = axes.clone();
         if options.sabotage == Some(Sabotage::HigherLimits) {
             for axis in &mut axes {
-                axis.limits = raised(&axis.limits);
+                axis.values = raised(axis);
             }
         }
         let mut bus = Dice::new(seed, "bus");
@@ -86,7 +85,7 @@ impl Scenario {
         }
         Self {
             configuration,
-            believes,
+            axes: meant,
             absences: absences(seed, has),
             orders,
             has_rival: has(FaultKind::Rival),
@@ -97,18 +96,6 @@ impl Scenario {
 
 fn bitrate(rate: u32) -> Bitrate {
     Bitrate::from_bits_per_second(rate).unwrap_or_default()
-}
-
-fn believe(axis: &RobotAxis) -> Believe {
-    let mut shaper = Shaper::none();
-    // A new shaper is at rest, so it takes any that is possible.
-    let shaped = shaper.change(axis.shaping.as_ref());
-    Believe {
-        axis: axis.id,
-        limits: axis.limits,
-        delay: shaped.map_or(Ticks(0), |()| shaper.delay()),
-        host_timeout: HOST_TIMEOUT,
-    }
 }
 
 fn robot(seed: u64, axes: Option<u8>) -> Vec<RobotAxis> {
@@ -122,10 +109,11 @@ fn robot(seed: u64, axes: Option<u8>) -> Vec<RobotAxis> {
     while (axes.len() as u64) < count {
         let place = dice.between(0, ids.len() as u64 - 1) as usize;
         if let Some(id) = AxisId::new(ids.swap_remove(place)) {
+            let values = Values::of_limits(id.get(), &limits(&mut dice, manner));
+            let shaping = shaping(&mut dice).filter(|_| shaped);
             axes.push(RobotAxis {
                 id,
-                limits: limits(&mut dice, manner),
-                shaping: shaping(&mut dice).filter(|_| shaped),
+                values: values.shaped(shaping.as_ref()).unwrap_or(values),
             });
         }
     }
@@ -284,8 +272,8 @@ mod tests {
             assert!(robots.iter().any(|axes| axes.len() == count), "{count}");
         }
         let axes = || robots.iter().flatten();
-        assert!(axes().any(|axis| axis.shaping.is_some()));
-        assert!(axes().any(|axis| axis.limits.position_minimum().counts() > 0));
-        assert!(axes().any(|axis| axis.limits.velocity().radians() < 1e-3));
+        assert!(axes().any(|axis| axis.values.settings().shaping.is_some()));
+        assert!(axes().any(|axis| axis.limits().position_minimum().counts() > 0));
+        assert!(axes().any(|axis| axis.limits().velocity().radians() < 1e-3));
     }
 }

@@ -53,7 +53,6 @@ pub(super) struct Asked {
     pub(super) clear: bool,
     pub(super) emergency_stop: bool,
     pub(super) motion: bool,
-    pub(super) stop: bool,
 }
 
 /// What an axis must believe.
@@ -86,7 +85,7 @@ impl Believed {
     pub(super) fn new(axis: AxisId, host_timeout: Ticks) -> Self {
         Self {
             axis,
-            host_timeout: u64::from(host_timeout.0) * 1_000_000,
+            host_timeout: u64::from(host_timeout.0) * TICK,
             holder: None,
             number: None,
             last_command: None,
@@ -105,8 +104,14 @@ impl Believed {
         self.asked
     }
 
-    pub(super) fn take_asked(&mut self) -> Asked {
-        std::mem::take(&mut self.asked)
+    /// A tick is over.
+    pub(super) fn forget_asked(&mut self) {
+        self.asked = Asked::default();
+    }
+
+    /// Its parameter has been changed.
+    pub(super) fn set_timeout(&mut self, host_timeout: Ticks) {
+        self.host_timeout = u64::from(host_timeout.0) * TICK;
     }
 
     /// Whether a motion was commanded since the last tick.
@@ -163,7 +168,6 @@ impl Believed {
             }
             Command::Control { action, .. } => self.control(*action, last),
             Command::EmergencyStop => self.asked.emergency_stop = true,
-            Command::Stop { .. } => self.asked.stop = true,
             _ => {}
         }
         admission

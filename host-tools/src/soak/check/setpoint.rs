@@ -56,15 +56,19 @@ impl Setpoints {
                 follows(last, now, limits)
             }
             state if state.drives() => {
-                let place = now.setpoint.position;
-                self.reach = Some((
-                    limits.position_minimum().min(place),
-                    limits.position_maximum().max(place),
-                ));
+                self.change(now.setpoint.position, limits);
                 begins(last, now, led)
             }
             _ => stands(now),
         }
+    }
+
+    /// The limits are others from now on. The axis may stand outside of a new travel.
+    pub(super) fn change(&mut self, place: Position, limits: &Limits) {
+        self.reach = Some((
+            limits.position_minimum().min(place),
+            limits.position_maximum().max(place),
+        ));
     }
 
     /// Each tick follows the one before, and in motion after a millisecond. A clock that is set

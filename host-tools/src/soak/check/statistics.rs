@@ -17,6 +17,8 @@ pub struct Statistics {
     pub faults: u64,
     /// Stops from motion that came to rest.
     pub stops: u64,
+    /// Times that parameters changed.
+    pub changes: u64,
     /// Times that a node began anew after a loss of power.
     pub resets: u64,
     /// Things that went wrong by choice or by chance, single frames aside.
@@ -47,6 +49,7 @@ impl Statistics {
         self.starts += other.starts;
         self.faults += other.faults;
         self.stops += other.stops;
+        self.changes += other.changes;
         self.resets += other.resets;
         self.disturbances += other.disturbances;
         self.slowest_stop = self.slowest_stop.max(other.slowest_stop);

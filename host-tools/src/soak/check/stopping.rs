@@ -6,7 +6,6 @@ use canter_shared::motion::Setpoint;
 use canter_shared::time::Ticks;
 use canter_shared::wire::command::Command;
 
-use super::believed::Asked;
 use super::{Believe, Finding, Glance, Statistics, Verdict};
 use crate::sim::TrueTime;
 use crate::soak::invariant::Invariant;
@@ -109,7 +108,6 @@ impl Stopping {
         &mut self,
         last: Option<&Glance>,
         now: &Glance,
-        _asked: Asked,
         believe: &Believe,
         statistics: &mut Statistics,
     ) -> Verdict {

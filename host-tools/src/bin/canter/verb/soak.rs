@@ -133,6 +133,7 @@ fn print(context: &Context, arguments: &Soak, progress: &Progress, ending: Optio
         starts,
         faults,
         stops,
+        changes,
         resets,
         disturbances,
         slowest_stop,
@@ -151,6 +152,7 @@ fn print(context: &Context, arguments: &Soak, progress: &Progress, ending: Optio
         "faults_latched": faults,
         "stops": stops,
         "slowest_stop": slowest_stop,
+        "parameter_changes": changes,
         "resets": resets,
         "disturbances": disturbances,
         "violation": violation.map(|(violation, _)| document(violation)),
@@ -176,6 +178,7 @@ fn print(context: &Context, arguments: &Soak, progress: &Progress, ending: Optio
             "slowest stop, of its bound",
             format!("{:.1} %", slowest_stop * 100.0),
         ),
+        ("changes of parameters", changes.to_string()),
         ("resets of nodes", resets.to_string()),
         ("other disturbances", disturbances.to_string()),
     ] {
