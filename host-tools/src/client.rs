@@ -7,7 +7,8 @@
 //! | file | what it holds |
 //! |---|---|
 //! | `known` | what is known of each axis from its reports |
-//! | `link` | waiting, the beacon, questions and answers |
+//! | `beacon` | SYNC, the host's heartbeat, and whose time is bus time |
+//! | `link` | waiting, questions and answers |
 //! | `power` | hold, enable, disable, clear, stop |
 //! | `parameter` | parameters read, written, saved |
 //! | `assign` | ids given out by chip id |
@@ -18,6 +19,7 @@
 //! | `error` | what can go wrong |
 
 mod assign;
+mod beacon;
 mod error;
 mod known;
 mod link;
@@ -55,7 +57,7 @@ pub struct Client<B: Bus> {
     held: Vec<AxisId>,
     /// The last number used; one sequence serves all axes, so that a group can share a number.
     sequence: u8,
-    beacon: link::Beacon,
+    beacon: beacon::Beacon,
     interrupt: Arc<AtomicBool>,
     /// Words for the person at the terminal that are no errors: what the bus complained of.
     complaints: Vec<String>,
@@ -72,7 +74,7 @@ impl<B: Bus> Client<B> {
             nodes: Vec::new(),
             held: Vec::new(),
             sequence: 0,
-            beacon: link::Beacon::default(),
+            beacon: beacon::Beacon::default(),
             interrupt: Arc::default(),
             complaints: Vec::new(),
         }
@@ -98,7 +100,7 @@ impl<B: Bus> Client<B> {
         &mut self.bus
     }
 
-    /// The bus's time.
+    /// The bus's own time; see [`Self::bus_time`].
     pub fn now(&self) -> BusTime {
         self.bus.now()
     }

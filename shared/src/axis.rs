@@ -264,7 +264,7 @@ impl Axis {
         if self.state.drives() {
             self.setpoint = self.course.at(tick);
             let mut arrived = self.course.fold(tick);
-            if self.planning.stops() && !self.course.is_moving(tick) {
+            if arrived {
                 self.planning.forget_stops();
             }
             if self.shapes() {

@@ -117,6 +117,8 @@ pub struct Node<D, const AXES: usize> {
     identity: Identity,
     clock: BusClock,
     next: Option<Tick>,
+    /// When the last tick ran.
+    ticked: LocalTime,
     slots: Vec<Slot<D>, AXES>,
     setpoints: Vec<AxisSetpoint, AXES>,
     /// The place of the axis whose plan was taken last.
@@ -131,6 +133,7 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
             identity,
             clock: BusClock::new(),
             next: None,
+            ticked: LocalTime(0),
             slots: Vec::new(),
             setpoints: Vec::new(),
             planned: 0,
@@ -206,8 +209,8 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
         let Ok(Some((address, command))) = Command::decode(frame) else {
             return;
         };
-        if let Command::Sync { time, .. } = command {
-            self.synchronise(now, time);
+        if let Command::Sync { counter, time } = command {
+            self.synchronise(now, counter, time);
             return;
         }
         if let Command::Assign(part) = command {
@@ -238,12 +241,14 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
         }
     }
 
-    fn synchronise(&mut self, now: LocalTime, sent: BusTime) {
+    fn synchronise(&mut self, now: LocalTime, counter: u8, sent: BusTime) {
         let due = self.next_tick();
         let at_rest = self.slots.iter().all(|slot| !slot.axis.is_moving());
-        if self.clock.synchronise(now, sent, at_rest) == Discipline::Stepped && self.next.is_some()
-        {
-            let next = self.clock.bus_time(now).next_tick();
+        let discipline = self.clock.synchronise(now, counter, sent, at_rest);
+        if discipline == Discipline::Stepped && self.next.is_some() {
+            // A frame may have waited while ticks went on: those are not run again, else a busy node that
+            // is set again and again would never get on.
+            let next = self.clock.bus_time(now.max(self.ticked)).next_tick();
             // However often the clock is set, the tick comes no later than it would have.
             let next = if self.clock.local_time(next.time()) > due {
                 Tick(next.0.saturating_sub(1))
@@ -259,6 +264,7 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
 
     /// Runs the tick that is due: once for each time that [`Self::next_tick`] has come.
     pub fn tick(&mut self, now: LocalTime) -> &[AxisSetpoint] {
+        self.ticked = now;
         let bus_time = self.clock.bus_time(now);
         let tick = self.next.unwrap_or(bus_time.next_tick());
         self.next = Some(Tick(tick.0.saturating_add(1)));

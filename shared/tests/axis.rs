@@ -5,6 +5,7 @@
 /// Here so that the files lie in a folder of their own.
 mod axis {
     mod assign;
+    mod backlog;
     mod bench;
     mod clock;
     mod commander;
@@ -25,6 +26,7 @@ mod axis {
     mod streaming;
     mod streaming_random;
     mod streams;
+    mod sync;
     mod telemetry;
     mod three;
     mod trapezoid;

@@ -155,6 +155,11 @@ impl Process {
             .unwrap_or_else(|error| panic!("{}: {error}", self.name));
     }
 
+    /// The process's number.
+    pub fn id(&self) -> u32 {
+        self.child.id()
+    }
+
     /// Sends a signal by its name, as `INT` (a user's Ctrl-C) or `KILL`.
     ///
     /// # Panics

@@ -126,13 +126,15 @@ impl Trace {
             }
             for pair in rows.windows(2) {
                 let [before, now] = pair else { continue };
-                // The clock may be set while the axis is at rest, and only then.
-                let seconds = 1e-3 * (now.tick as f64 - before.tick as f64);
-                let moving = before.velocity != 0.0 || now.velocity != 0.0;
+                // The clock may be set while the axis is at rest, and only then; a move may begin with
+                // the first tick after that.
+                let rested = before.velocity == 0.0;
+                let moving = !rested || now.velocity != 0.0;
                 assert!(
-                    !moving || now.tick == before.tick + 1,
+                    rested || now.tick == before.tick + 1,
                     "axis {axis}: {pair:?}"
                 );
+                let seconds = 1e-3;
                 let moved = now.position - before.position;
                 let mean = (now.velocity + before.velocity) / 2.0;
                 // The trapezium rule's error is jerk * T^3 / 12.

@@ -2,6 +2,9 @@
 
 mod emulated;
 mod image;
+mod target {
+    mod clock;
+}
 
 use std::collections::BTreeMap;
 use std::process::{Command, Stdio};

@@ -1,11 +1,13 @@
-//! Tests on real SocketCAN buses. The `vcan` part of tests/run makes vcan0 to vcan7 for them, in
+//! Tests on real SocketCAN buses. The `vcan` part of tests/run makes vcan0 to vcan11 for them, in
 //! the kernel that runs or inside user-mode Linux; each test has a bus of its own.
 
 mod vcan {
+    mod flood;
     mod moves;
     mod refusals;
     mod robot;
     mod trouble;
+    mod two_hosts;
 }
 
 use std::time::Duration;

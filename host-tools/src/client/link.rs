@@ -14,18 +14,6 @@ use std::collections::BTreeMap;
 /// A millisecond of bus time.
 pub(super) const MILLISECOND: u64 = 1_000;
 
-/// Between two SYNCs: 20 ms, in which crystals of +-100 ppm part by 4 us.
-const SYNC_PERIOD: u64 = 20 * MILLISECOND;
-
-/// Between the first SYNCs: quick, so that the nodes' clocks settle before the first move.
-const FIRST_SYNC_PERIOD: u64 = 4 * MILLISECOND;
-
-/// SYNCs that go out quickly: four windows of a node's clock.
-const FIRST_SYNCS: u32 = 32;
-
-/// Between two host heartbeats: five within the axes' time-out of 250 ms.
-const HEARTBEAT_PERIOD: u64 = 50 * MILLISECOND;
-
 /// How long an answer may take before the question is asked again: a node answers within its
 /// tick, but a serial adapter or a busy host may take tens of milliseconds.
 pub(super) const ANSWER_TIME: u64 = 60 * MILLISECOND;
@@ -35,14 +23,6 @@ pub(super) const ATTEMPTS: u32 = 5;
 
 /// How long axes are listened for: their heartbeats come every 100 ms.
 const LISTEN: u64 = 250 * MILLISECOND;
-
-/// When SYNC and the host's heartbeat are due.
-#[derive(Debug, Default)]
-pub(super) struct Beacon {
-    syncs: u32,
-    next_sync: BusTime,
-    next_heartbeat: BusTime,
-}
 
 /// What an axis answered to a question.
 #[derive(Debug, Clone, Copy)]
@@ -89,9 +69,7 @@ impl<B: Bus> Client<B> {
             let mut wake = until.min(after(now, 50 * MILLISECOND));
             if !self.held.is_empty() {
                 self.send_beacon()?;
-                wake = wake
-                    .min(self.beacon.next_sync)
-                    .min(self.beacon.next_heartbeat);
+                wake = wake.min(self.beacon.due());
             }
             if let Some(received) = self.bus.receive(wake)? {
                 self.learn(received.time, received.event);
@@ -102,7 +80,9 @@ impl<B: Bus> Client<B> {
     fn learn(&mut self, now: BusTime, event: Event) {
         match event {
             Event::Frame(frame) => {
-                if let Ok(Some((axis, report))) = Report::decode(&frame) {
+                if let Ok(Some((_, Command::Sync { counter, time }))) = Command::decode(&frame) {
+                    self.hear_sync(now, counter, time);
+                } else if let Ok(Some((axis, report))) = Report::decode(&frame) {
                     self.axes.entry(axis).or_default().learn(&report, now);
                     if let Report::Identity(part) = report {
                         self.node(axis).learn(part);
@@ -110,11 +90,14 @@ impl<B: Bus> Client<B> {
                 }
             }
             Event::Error(error) => {
-                let words = error.to_string();
-                if !self.complaints.contains(&words) {
-                    self.complaints.push(words);
-                }
+                self.complain(error.to_string());
             }
+        }
+    }
+
+    pub(super) fn complain(&mut self, words: String) {
+        if !self.complaints.contains(&words) {
+            self.complaints.push(words);
         }
     }
 
@@ -127,41 +110,6 @@ impl<B: Bus> Client<B> {
             }
         };
         &mut self.nodes[at]
-    }
-
-    /// Sends SYNC and the host's heartbeat where they are due.
-    fn send_beacon(&mut self) -> Result<(), ClientError> {
-        let now = self.bus.now();
-        if now >= self.beacon.next_heartbeat {
-            self.beacon.next_heartbeat = after(now, HEARTBEAT_PERIOD);
-            let session = self.session;
-            self.tell(Address::All, Command::HostHeartbeat { session })?;
-        }
-        if now >= self.beacon.next_sync {
-            self.beacon.syncs = self.beacon.syncs.wrapping_add(1);
-            let period = if self.beacon.syncs <= FIRST_SYNCS {
-                FIRST_SYNC_PERIOD
-            } else {
-                SYNC_PERIOD
-            };
-            self.beacon.next_sync = after(now, period);
-            let sync = Command::Sync {
-                counter: self.beacon.syncs as u8,
-                // The last thing before the send, so that little can come between.
-                time: self.bus.now(),
-            };
-            self.tell(Address::All, sync)?;
-        }
-        Ok(())
-    }
-
-    /// Starts the quick SYNCs over and waits until they are out: the nodes' clocks agree then.
-    pub(super) fn settle_clocks(&mut self) -> Result<(), ClientError> {
-        self.beacon = Beacon::default();
-        let quick = u64::from(FIRST_SYNCS + 1) * FIRST_SYNC_PERIOD;
-        let until = after(self.bus.now(), quick);
-        self.wait(until, |_| false)?;
-        Ok(())
     }
 
     /// Sends a command that nobody answers.

@@ -197,7 +197,10 @@ impl<B: Bus> Client<B> {
                 known.moving = Some(true);
             }
         }
-        let start = after(self.bus.now(), LEAD).next_tick();
+        // Bus time names the start; what is waited for goes by the bus's own clock.
+        let (now, bus_time) = (self.bus.now(), self.bus_time());
+        let start = after(bus_time, LEAD).next_tick();
+        let left = after(now, start.time().0 - bus_time.0);
         for _ in 0..3 {
             let trigger = Command::Trigger {
                 group,
@@ -212,13 +215,13 @@ impl<B: Bus> Client<B> {
             .map(|planned| planned.duration)
             .max()
             .unwrap_or_default();
-        let end = start.after(longest).time();
+        let end = after(left, u64::from(longest.0) * MILLISECOND);
         let slack = 2 * u64::from(longest.0) * MILLISECOND;
         let deadline = after(end, GRACE + slack);
         loop {
             let now = self.bus.now();
             progress(Progress {
-                elapsed: now.0.wrapping_sub(start.time().0) as i64 as f64 / 1e6,
+                elapsed: now.0.wrapping_sub(left.0) as i64 as f64 / 1e6,
                 duration: longest.seconds(),
             });
             let next = after(now, 50 * MILLISECOND).min(deadline);

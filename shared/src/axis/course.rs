@@ -56,6 +56,13 @@ pub(super) struct Streamed {
     pub(super) rests: Tick,
 }
 
+/// What a plan goes out from.
+pub(super) enum Basis<'a> {
+    Motion(&'a Motion),
+    /// It can only be stopped, so that its state is enough.
+    Stream(Streamed),
+}
+
 /// How a stream is brought to rest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum StreamStop {
@@ -133,19 +140,18 @@ impl Course {
     }
 
     /// What a plan goes out from: the motion that waits for its splice, and that tick, or else what
-    /// is under way, `ahead`. Of a stream its state there is enough, since it can only be stopped.
-    pub(super) fn basis(&self, ahead: Tick) -> (Motion, Option<Streamed>, Tick) {
+    /// is under way, `ahead`.
+    pub(super) fn basis(&self, ahead: Tick) -> (Basis<'_>, Tick) {
         let (lead, splice) = match self.next {
             Some(next) => (self.idle(), next.splice),
             None => (self.lead(), ahead),
         };
         match lead {
-            Lead::Motion(motion) => (motion.clone(), None, splice),
+            Lead::Motion(motion) => (Basis::Motion(motion), splice),
             Lead::Stream(stream) => {
                 let state = stream.at(splice);
                 let rests = stream.rests();
-                let streamed = Streamed { state, rests };
-                (Motion::at_rest(state.position), Some(streamed), splice)
+                (Basis::Stream(Streamed { state, rests }), splice)
             }
         }
     }
@@ -252,10 +258,15 @@ impl Course {
         waits || self.running_stream().is_some()
     }
 
-    /// Takes no more knots for the stream under way: it is to be stopped.
-    pub(super) fn close_stream(&mut self) {
-        if let Lead::Stream(stream) = self.lead_mut() {
-            stream.close();
+    /// Takes no more knots for the stream under way, which is to be stopped. Says whether it brakes
+    /// by itself already.
+    pub(super) fn close_stream(&mut self, tick: Tick) -> bool {
+        match self.lead_mut() {
+            Lead::Motion(_) => false,
+            Lead::Stream(stream) => {
+                stream.close();
+                stream.has_run_dry(tick)
+            }
         }
     }
 

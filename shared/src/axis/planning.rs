@@ -26,7 +26,7 @@
 //! the tick's arithmetic is compiled with it would take kilobytes of flash.
 
 use super::answer::{Refusal, acknowledgement, refusal};
-use super::course::{StreamStop, Streamed};
+use super::course::{Basis, StreamStop, Streamed};
 use super::prepared::Prepared;
 use super::{Axis, Departure, Outcome, Reply, Staged};
 use crate::limits::Limits;
@@ -100,7 +100,7 @@ impl Planning {
         working.chain(&self.waiting)
     }
 
-    pub(super) fn stops(&self) -> bool {
+    fn stops(&self) -> bool {
         self.jobs().any(Job::stops)
     }
 
@@ -249,14 +249,21 @@ impl Axis {
         let farther = (1 << self.planning.doublings) - 1;
         let ahead = self.tick.after(Ticks(lead.0.saturating_add(farther)));
         // What waits for its splice and the motion until then agree at the splice only.
-        let (motion, stream, splice) = self.course.basis(ahead);
+        let (basis, splice) = self.course.basis(ahead);
+        let stream = match basis {
+            Basis::Motion(_) => None,
+            Basis::Stream(streamed) => Some(streamed),
+        };
         let plan = Plan {
             axis: self.id,
             change: job.change,
             number: job.number,
             splice,
             limits: self.planning_limits(),
-            motion,
+            motion: match basis {
+                Basis::Motion(motion) => motion.clone(),
+                Basis::Stream(streamed) => Motion::at_rest(streamed.state.position),
+            },
             stream,
         };
         self.planning.working = Some((job, splice));
@@ -364,11 +371,9 @@ impl Axis {
         self.call_off(why, |job| !job.stops());
         self.course.call_off_move();
         self.departure = None;
-        self.course.close_stream();
+        let brakes = self.course.close_stream(self.tick);
         // Stops in a flood must not put off the first one.
-        let stopping = self.planning.stops() || self.course.is_about_to_stop();
-        let brakes = self.course.running_stream();
-        let stopping = stopping || brakes.is_some_and(|stream| stream.has_run_dry(self.tick));
+        let stopping = brakes || self.planning.stops() || self.course.is_about_to_stop();
         if !stopping && self.course.is_moving(self.tick) {
             self.planning.waiting = Some(self.planning.new_job(Change::Stop, self.tick));
         }

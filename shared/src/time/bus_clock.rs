@@ -2,16 +2,24 @@
 //!
 //! Each SYNC carries the bus time at which it was sent. It can arrive late, on a host with an
 //! ordinary kernel by milliseconds, but never early. So of each window of SYNCs only the one with
-//! the least delay counts. It corrects the offset by half of its error; the rate comes from the
-//! longest stretch of time between two such SYNCs, over which their delays matter least. Where even
-//! the best one of a window seems late, it is not believed. What delay is left, the frame's own
-//! length on the bus among it, is the same for all nodes and so does not move them against each
-//! other.
+//! the least delay counts, and a line through the last of these gives offset and rate. What seems
+//! late beyond what crystals and receivers can do is not believed. What delay is left, the frame's
+//! own length on the bus among it, is the same for all nodes and so does not move them against
+//! each other.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `source` | whose SYNCs count, where there is more than one host |
+//! | `history` | the best SYNCs of the last seconds, and the line through them |
 
-use super::{BusTime, LocalTime, MICROSECONDS_PER_TICK};
+mod history;
+mod source;
+#[cfg(test)]
+mod tests;
 
-/// SYNCs of which the least delayed one counts: at the host's 50 Hz a correction every 160 ms.
-const WINDOW: u8 = 8;
+use super::{BusTime, LocalTime};
+use history::{History, Line, Sample};
+use source::Source;
 
 /// An error beyond this cannot be drift, so the clock is set anew, in microseconds: crystals of
 /// +-100 ppm part by 200 us in a second, and a reception is late by some milliseconds at most.
@@ -20,32 +28,52 @@ const STEP: i64 = 50_000;
 /// The largest rate correction: 500 ppm in units of 2^-32.
 const LARGEST_RATE: i64 = (1 << 32) / 2_000;
 
-/// Two crystals part by at most 1 / 5000, 200 ppm: while axes move the clock gives way no faster.
-const DRIFT: i64 = 5_000;
+/// What the clock makes up for while axes move: 200 ppm, as two crystals part by, in units of
+/// 2^-32.
+const SLEW: i64 = (1 << 32) / 5_000;
 
 /// The least delay in a window varies by this much on a quiet bus, in microseconds: an error
 /// beyond it and drift together is delay.
 const JITTER: i64 = 20;
 
-/// A window's error moves the offset by half of itself, a new rate the old one by half of their
-/// difference.
-const SHIFT: u32 = 1;
+/// A point that is farther off than this is not on one line with those before, in microseconds.
+const FITTING: i64 = 2 * JITTER;
 
-/// The least stretch that a rate is taken from, in microseconds: jitter over 25 ms is some 100 ppm.
-const SHORTEST_STRETCH: u64 = 25_000;
+/// While the rate is not known the clock may part from the bus by 1 / 5000, 200 ppm; once it is
+/// known, by 50 ppm, which leaves room for a crystal that warms up.
+const UNKNOWN_DRIFT: u32 = 5_000;
+const KNOWN_DRIFT: u32 = 20_000;
 
-/// The longest stretch: over 8 s a crystal's own rate may change with its temperature.
-const LONGEST_STRETCH: u64 = 8_000_000;
+/// Points of the history from which on the rate counts as known.
+const KNOWN_POINTS: usize = 8;
+
+/// Points of the history from which on its rate is worth keeping when it is begun anew.
+const RATE_POINTS: usize = 4;
+
+/// Up to this, in microseconds, a step at rest leaves out no tick and runs none twice, it only
+/// moves the next one: half a tick.
+const SMALL_STEP: i64 = 500;
+
+/// SYNCs that the best one is chosen from at least.
+const LEAST_SAMPLES: u8 = 2;
 
 /// Windows in a row that cannot all have come late: then it is the clock that is wrong.
 const DOUBTS: u8 = 8;
 
+/// The longest time that rates are reckoned over, in microseconds, so that products fit: 12 days.
+const LONGEST: i64 = 1 << 40;
+
+/// One microsecond, as the clock reckons inside: in units of 2^-32.
+const FINE: u32 = 32;
+
 /// What a SYNC did to the clock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Discipline {
+    /// Another host's, or one that came twice: it did nothing.
+    Ignored,
     /// The sample was kept for its window.
     Sampled,
-    /// The window is full; offset and rate were corrected by at most some milliseconds.
+    /// The window is full and offset and rate were corrected; at rest by less than a tick.
     Corrected,
     /// The clock was far off, or was never set, and now shows another time.
     Stepped,
@@ -53,34 +81,28 @@ pub enum Discipline {
     Refused,
 }
 
-/// A SYNC: when it was sent and when it arrived.
-#[derive(Debug, Clone, Copy)]
-struct Sample {
-    received: LocalTime,
-    sent: BusTime,
-    /// Bus time minus the clock's estimate without its slew, in microseconds.
-    error: i64,
-}
-
 /// Maps a device's own clock to bus time.
 #[derive(Debug, Clone)]
 pub struct BusClock {
+    /// One instant on both clocks, the bus's with a fraction in 2^-32 us.
     local: LocalTime,
     bus: BusTime,
+    fraction: i64,
     /// How much faster than the local clock the bus runs, in units of 2^-32.
     rate: i64,
-    /// What is still to be made up for, at one microsecond in each [`DRIFT`].
+    /// What is being made up for: in which direction, in units of 2^-32, and for how many
+    /// microseconds from `local` on.
     slew: i64,
+    slew_time: i64,
     synchronised: bool,
+    source: Source,
+    /// The least delayed SYNC of the window, when the window began, and how many SYNCs it has.
+    best: Option<(Sample, i64)>,
+    window_start: LocalTime,
     samples: u8,
     /// Windows in a row whose best SYNC was not believed.
     doubts: u8,
-    /// The least delayed SYNC of the window, and when the window began.
-    best: Option<Sample>,
-    window_start: LocalTime,
-    /// Where the stretch begins that the rate is taken from, and where the next one will.
-    anchor: Option<Sample>,
-    next_anchor: Option<Sample>,
+    history: History,
 }
 
 impl Default for BusClock {
@@ -95,15 +117,17 @@ impl BusClock {
         Self {
             local: LocalTime(0),
             bus: BusTime(0),
+            fraction: 0,
             rate: 0,
             slew: 0,
+            slew_time: 0,
             synchronised: false,
-            samples: 0,
-            doubts: 0,
+            source: Source::new(),
             best: None,
             window_start: LocalTime(0),
-            anchor: None,
-            next_anchor: None,
+            samples: 0,
+            doubts: 0,
+            history: History::new(),
         }
     }
 
@@ -115,136 +139,97 @@ impl BusClock {
     /// Bus time at a local time.
     pub fn bus_time(&self, local: LocalTime) -> BusTime {
         let elapsed = local.0.wrapping_sub(self.local.0) as i64;
-        let corrected = elapsed.saturating_add(self.correction(elapsed));
-        BusTime(self.bus.0.saturating_add_signed(corrected))
+        let correction = self.correction(elapsed) >> FINE;
+        BusTime(
+            self.bus
+                .0
+                .saturating_add_signed(elapsed.saturating_add(correction)),
+        )
     }
 
     /// The least local time at which [`Self::bus_time`] shows at least `bus`, give or take 1 us.
     pub fn local_time(&self, bus: BusTime) -> LocalTime {
         let elapsed = bus.0.wrapping_sub(self.bus.0) as i64;
         // The correction belongs to the local time; the first guess of that is off by a 1000th.
-        let guess = elapsed.saturating_sub(self.correction(elapsed));
-        let corrected = elapsed.saturating_sub(self.correction(guess));
+        let guess = elapsed.saturating_sub(self.correction(elapsed) >> FINE);
+        let corrected = elapsed.saturating_sub(self.correction(guess) >> FINE);
         LocalTime(self.local.0.saturating_add_signed(corrected))
     }
 
+    /// Bus time gained on the local clock some time after `local`, in 2^-32 us.
     fn correction(&self, elapsed: i64) -> i64 {
-        // The rate is below 2^22 and the time since the last SYNC below 2^41 us, 25 days.
-        let bounded = elapsed.clamp(-(1 << 41), 1 << 41);
-        ((bounded * self.rate) >> 32) + self.made_up(bounded)
+        let bounded = elapsed.clamp(-LONGEST, LONGEST);
+        // Below 2^40 * 2^22 and 2^28 * 2^20.
+        bounded * self.rate + bounded.clamp(0, self.slew_time) * self.slew + self.fraction
     }
 
-    /// How much of the slew is done after some time.
-    fn made_up(&self, elapsed: i64) -> i64 {
-        (elapsed / DRIFT).clamp(0, self.slew.abs()) * self.slew.signum()
+    /// How far a SYNC is ahead of where the clock is or slowly goes to, in 2^-32 us; the nearest
+    /// that can be told where it is farther than [`STEP`].
+    fn error(&self, sample: Sample) -> i64 {
+        let elapsed = sample.received.0.wrapping_sub(self.local.0) as i64;
+        let bounded = elapsed.clamp(-LONGEST, LONGEST);
+        let gained = bounded * self.rate + self.slew_time * self.slew + self.fraction;
+        let error = (sample.sent.0.wrapping_sub(self.bus.0) as i64)
+            .saturating_sub(elapsed)
+            .saturating_sub(gained >> FINE);
+        // What the shift cut off is subtracted here.
+        (error.clamp(-2 * STEP, 2 * STEP) << FINE) - (gained & ((1 << FINE) - 1))
     }
 
-    /// Takes a SYNC that was sent at `sent` and arrived at `received`; `may_step` says that
-    /// nothing moves, so that the clock may jump. Otherwise it runs at most 200 ppm faster or
-    /// slower than its rate, however many SYNCs come and whatever they say.
+    /// Takes the SYNC of number `counter` that was sent at `sent` and arrived at `received`;
+    /// `may_step` says that nothing moves, so that the clock may jump. Otherwise it runs at most
+    /// 200 ppm faster or slower than its rate, however many SYNCs come and whatever they say.
     pub fn synchronise(
         &mut self,
         received: LocalTime,
+        counter: u8,
         sent: BusTime,
         may_step: bool,
     ) -> Discipline {
-        let error = sent.0.wrapping_sub(self.bus_time(received).0) as i64;
-        if !self.synchronised || error.saturating_abs() > STEP {
+        // Local time does not go back; ages of points below rely on it.
+        let received = received.max(self.source.heard());
+        let sample = Sample { received, sent };
+        let error = self.error(sample);
+        if self.synchronised && !self.source.is_followed(received, counter, error >> FINE) {
+            return Discipline::Ignored;
+        }
+        if !self.synchronised || (error >> FINE).abs() > STEP {
             if !may_step {
                 return Discipline::Refused;
             }
-            self.synchronised = true;
-            self.local = received;
-            self.bus = sent;
-            self.rate = 0;
-            self.slew = 0;
-            self.anchor = None;
-            self.next_anchor = None;
-            self.begin_window(received);
+            self.source.follow(received, counter);
+            self.set(sample);
             return Discipline::Stepped;
         }
-        let elapsed = received.since(self.local) as i64;
-        let sample = Sample {
-            received,
-            sent,
-            error: error.saturating_add(self.made_up(elapsed)),
-        };
+        // After a silence the old ones tell nothing, and rare ones count each for itself.
+        let alone = self.source.is_silent(received);
+        self.source.follow(received, counter);
         let best = match self.best {
-            Some(best) if best.error >= sample.error => best,
-            _ => sample,
+            Some(best) if best.1 >= error && !alone => best,
+            _ => (sample, error),
         };
         self.best = Some(best);
         self.samples = self.samples.saturating_add(1);
-        // A window that is too short to know anything from grows: its rounding would count.
-        if self.samples < WINDOW || received.since(self.window_start) < SHORTEST_STRETCH {
+        let length = received.since(self.window_start);
+        let full = self.samples >= LEAST_SAMPLES && length >= self.history.window();
+        if !full && !alone {
             return Discipline::Sampled;
         }
-        let discipline = self.correct(received, best, may_step);
         self.begin_window(received);
-        discipline
+        self.correct(received, best, may_step)
     }
 
-    /// Corrects offset and rate at the end of a window with its best sample.
-    ///
-    /// The offset is not set but made up for slowly: ticks follow the clock, and the speed of
-    /// axes follows the ticks.
-    fn correct(&mut self, now: LocalTime, best: Sample, may_step: bool) -> Discipline {
-        let length = now.since(self.window_start).max(MICROSECONDS_PER_TICK) as i64;
-        let drift = length / DRIFT;
-        let bound = drift + JITTER;
-        let error = best.error - self.made_up(now.since(self.local) as i64);
-        let late = error > bound && may_step;
-        self.bus = self.bus_time(now);
-        self.local = now;
-        if late {
-            // The clock was set by a SYNC that came late; what is known of its rate is as wrong.
-            self.anchor = None;
-            self.next_anchor = None;
-            self.bus = BusTime(self.bus.0.saturating_add_signed(error));
-            self.slew = 0;
-            return Discipline::Stepped;
-        }
-        self.slew = (error >> SHIFT).clamp(-drift, drift);
-        if error.abs() <= bound {
-            self.doubts = 0;
-            self.learn_rate(best);
-        } else if self.doubts < DOUBTS {
-            self.doubts += 1;
-        } else {
-            self.doubts = 0;
-            self.rate = 0;
-            self.anchor = None;
-            self.next_anchor = None;
-            if may_step {
-                self.bus = BusTime(self.bus.0.saturating_add_signed(error));
-                self.slew = 0;
-                return Discipline::Stepped;
-            }
-        }
-        Discipline::Corrected
-    }
-
-    /// Takes the rate from the stretch between the anchor and this sample.
-    fn learn_rate(&mut self, best: Sample) {
-        let Some(anchor) = self.anchor else {
-            self.anchor = Some(best);
-            return;
-        };
-        let stretch = best.received.since(anchor.received);
-        if stretch < SHORTEST_STRETCH {
-            return;
-        }
-        let gained = (best.sent.0.wrapping_sub(anchor.sent.0) as i64).wrapping_sub(stretch as i64);
-        // Both are within +-STEP of each other for each window: 2^16 << 32 fits with room.
-        let bounded = gained.clamp(-STEP, STEP);
-        let measured = ((bounded << 32) / stretch as i64).clamp(-LARGEST_RATE, LARGEST_RATE);
-        self.rate += (measured - self.rate) >> SHIFT;
-        if stretch >= LONGEST_STRETCH / 2 && self.next_anchor.is_none() {
-            self.next_anchor = Some(best);
-        }
-        if stretch >= LONGEST_STRETCH {
-            self.anchor = self.next_anchor.take();
-        }
+    /// Shows the time of one SYNC; nothing is known of the rate.
+    fn set(&mut self, sample: Sample) {
+        self.synchronised = true;
+        self.local = sample.received;
+        self.bus = sample.sent;
+        self.fraction = 0;
+        self.slew_time = 0;
+        self.rate = 0;
+        self.doubts = 0;
+        self.history.clear();
+        self.begin_window(sample.received);
     }
 
     fn begin_window(&mut self, now: LocalTime) {
@@ -252,59 +237,75 @@ impl BusClock {
         self.best = None;
         self.window_start = now;
     }
-}
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A crystal 100 ppm fast, an offset of an hour, receptions late by up to 5 ms.
-    #[test]
-    fn follows_a_crystal_through_jitter() {
-        let mut clock = BusClock::new();
-        let mut seed = 1u64;
-        let mut worst = 0i64;
-        for step in 0..3_000u64 {
-            let bus = 3_600_000_000 + step * 20_000;
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            // One in four arrives at once.
-            let late = if seed >> 62 == 0 {
-                0
-            } else {
-                (seed >> 33) % 5_000
-            };
-            let local = |bus: u64| LocalTime(1_000 + (bus - 3_600_000_000) * 10_001 / 10_000);
-            clock.synchronise(local(bus + late), BusTime(bus), true);
-            if step > 1_000 {
-                let shown = clock.bus_time(local(bus));
-                worst = worst.max((shown.0 as i64 - bus as i64).abs());
+    /// Corrects offset and rate at the end of a window with its best sample.
+    fn correct(
+        &mut self,
+        now: LocalTime,
+        (best, error): (Sample, i64),
+        may_step: bool,
+    ) -> Discipline {
+        let drift = if self.history.len() >= KNOWN_POINTS {
+            KNOWN_DRIFT
+        } else {
+            UNKNOWN_DRIFT
+        };
+        let last = self.history.newest().unwrap_or(self.local);
+        let since = u32::try_from(best.received.since(last)).unwrap_or(u32::MAX);
+        let bound = (JITTER + i64::from(since / drift)) << FINE;
+        if error < -bound {
+            self.doubts += 1;
+            if self.doubts < DOUBTS {
+                return Discipline::Corrected;
             }
         }
-        assert!(worst <= 150, "off by {worst} us");
-    }
-
-    #[test]
-    fn never_steps_while_axes_move() {
-        let mut clock = BusClock::new();
-        clock.synchronise(LocalTime(0), BusTime(1_000_000), true);
-        let before = clock.bus_time(LocalTime(10));
-        for wild in [0, 5_000_000, u64::MAX] {
-            assert_eq!(
-                clock.synchronise(LocalTime(10), BusTime(wild), false),
-                Discipline::Refused
-            );
-            assert_eq!(clock.bus_time(LocalTime(10)), before);
+        self.doubts = 0;
+        if error.abs() > bound.min(FITTING << FINE) {
+            // The clock was set by a SYNC that came late, has run alone, or the host's clock has
+            // moved. A rate that did not last for some windows is as wrong.
+            if self.history.len() < RATE_POINTS {
+                self.history.clear();
+            } else {
+                self.history.begin(self.rate);
+            }
+        }
+        self.history.add(best, self.rate);
+        match self.history.line() {
+            Some(line) => self.follow(now, line, may_step),
+            None => Discipline::Corrected,
         }
     }
 
-    #[test]
-    fn local_and_bus_time_are_inverse() {
-        let mut clock = BusClock::new();
-        clock.synchronise(LocalTime(7), BusTime(1_000_000), true);
-        clock.rate = 429_496; // 100 ppm
-        for bus in (1_000_000..50_000_000).step_by(999_983) {
-            let back = clock.bus_time(clock.local_time(BusTime(bus)));
-            assert!(back.0.abs_diff(bus) <= 1, "{back:?} for {bus}");
+    /// Goes to `line`: at once at rest, else slowly, as ticks follow the clock, and the speed of
+    /// axes follows the ticks.
+    fn follow(&mut self, now: LocalTime, line: Line, may_step: bool) -> Discipline {
+        self.rebase(now);
+        self.rate = line.rate;
+        self.slew_time = 0;
+        let missing = self.error(line.through) + line.ahead;
+        let missing = missing.clamp(-STEP << FINE, STEP << FINE);
+        if !may_step {
+            self.slew = SLEW * missing.signum();
+            self.slew_time = missing.abs() / SLEW;
+            return Discipline::Corrected;
         }
+        let shown = self.fraction + missing;
+        self.bus = BusTime(self.bus.0.saturating_add_signed(shown >> FINE));
+        self.fraction = shown & ((1 << FINE) - 1);
+        if missing.abs() >> FINE < SMALL_STEP {
+            Discipline::Corrected
+        } else {
+            Discipline::Stepped
+        }
+    }
+
+    /// Reckons from `now` on and shows the same.
+    fn rebase(&mut self, now: LocalTime) {
+        let elapsed = now.0.wrapping_sub(self.local.0) as i64;
+        let gained = self.correction(elapsed);
+        let passed = elapsed.saturating_add(gained >> FINE);
+        self.bus = BusTime(self.bus.0.saturating_add_signed(passed));
+        self.fraction = gained & ((1 << FINE) - 1);
+        self.local = now;
     }
 }

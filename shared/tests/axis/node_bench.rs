@@ -128,8 +128,13 @@ impl<D: Drive> NodeBench<D> {
     /// A SYNC that says what bus time it is.
     pub fn sync(&mut self, time: u64) {
         self.counter = self.counter.wrapping_add(1);
+        self.sync_numbered(self.counter, time);
+    }
+
+    /// A SYNC of this number, as from another host.
+    pub fn sync_numbered(&mut self, counter: u8, time: u64) {
         self.send(Command::Sync {
-            counter: self.counter,
+            counter,
             time: BusTime(time),
         });
     }

@@ -372,7 +372,8 @@ proptest! {
         let back = (run.bench.tick - (at - 1)) as usize;
         let knot = run.trace[run.trace.len() - 1 - back];
         let speed = knot.velocity.counts() as f64;
-        let way = speed * speed / (2.0 * case.limits.deceleration().counts() as f64);
+        let deceleration = run.bench.axis.limits().deceleration().counts() as f64;
+        let way = speed * speed / (2.0 * deceleration);
         let moved = (run.bench.setpoint.position - knot.position).counts().abs() as f64;
         prop_assert!((moved - way).abs() <= 1.0, "{} {}", moved, way);
     }

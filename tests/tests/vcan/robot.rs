@@ -4,16 +4,22 @@ use canter_shared::time::Ticks;
 use canter_shared::units::Position;
 use canter_shared::wire::command::{Action, Command as Word, ProfileKind};
 use canter_shared::wire::frame::Frame;
-use canter_shared::wire::id::{Address, AxisId};
+use canter_shared::wire::id::{Address, AxisId, Function};
+use canter_shared::wire::reason::Reason;
 use canter_shared::wire::report::Report;
 use canter_tests::PATIENCE;
 use canter_tests::candump::cansend;
 use canter_tests::process::{Finished, Process};
 use canter_tests::trace::Trace;
-use socketcan::{CanFrame, CanSocket, EmbeddedFrame, Frame as _, Socket, StandardId};
+use socketcan::{
+    CanFilter, CanFrame, CanSocket, EmbeddedFrame, Frame as _, Socket, SocketOptions, StandardId,
+};
 use std::path::PathBuf;
 use std::process::Command;
 use std::time::{Duration, Instant};
+
+/// How often a hand-made host asks for something.
+const ATTEMPTS: u32 = 8;
 
 /// Between two heartbeats of a hand-made host.
 const BEAT: Duration = Duration::from_millis(40);
@@ -41,6 +47,11 @@ impl Robot {
             trace,
             _directory: directory,
         }
+    }
+
+    /// The node's process.
+    pub fn process(&self) -> u32 {
+        self.node.id()
     }
 
     /// A `canter` command on this bus, not started yet.
@@ -124,6 +135,17 @@ impl ByHand {
         }
     }
 
+    /// The same, whom only some kinds of frames reach: there may be very many.
+    pub fn hearing(bus: &'static str, functions: &[Function]) -> Self {
+        let by_hand = Self::new(bus);
+        let filters: Vec<_> = functions
+            .iter()
+            .map(|function| CanFilter::new(u32::from(u8::from(*function)) << 6, 0x7C0))
+            .collect();
+        by_hand.socket.set_filters(&filters).expect("filters");
+        by_hand
+    }
+
     /// The same, with can-utils' own cansend for every frame; a process for each takes its time.
     pub fn with_cansend(bus: &'static str) -> Self {
         Self {
@@ -178,6 +200,24 @@ impl ByHand {
     /// Keeps the session alive until a report of `axis` is as wanted.
     #[track_caller]
     pub fn beat_until(&mut self, what: &str, axis: AxisId, wanted: impl Fn(&Report) -> bool) {
+        self.listen(what, |heard| {
+            heard.is_some_and(|(from, report)| from == axis && wanted(report))
+        });
+    }
+
+    /// Keeps the session alive for a while.
+    pub fn beat_for(&mut self, duration: Duration) {
+        let end = Instant::now() + duration;
+        self.listen("end", |_| Instant::now() >= end);
+    }
+
+    /// Keeps the session alive and hears everybody until that is `enough`; `None` is silence.
+    #[track_caller]
+    pub fn listen(
+        &mut self,
+        what: &str,
+        mut enough: impl FnMut(Option<(AxisId, &Report)>) -> bool,
+    ) {
         let given_up = Instant::now() + PATIENCE;
         let mut next = Instant::now();
         loop {
@@ -187,13 +227,50 @@ impl ByHand {
                 let session = self.session;
                 self.send(Address::All, Word::HostHeartbeat { session });
             }
-            if let Some((from, report)) = next_report(&self.socket, BEAT)
-                && from == axis
-                && wanted(&report)
-            {
+            let heard = next_report(&self.socket, BEAT);
+            if enough(heard.as_ref().map(|(from, report)| (*from, report))) {
                 return;
             }
         }
+    }
+
+    /// Asks an axis for something, and again under another number where its own is taken; gives the
+    /// last answer, if any.
+    #[track_caller]
+    pub fn insist(&mut self, axis: AxisId, action: Action) -> Option<Reason> {
+        let mut answer = None;
+        for _ in 0..ATTEMPTS {
+            self.sequence = self.sequence.wrapping_add(1);
+            let (sequence, session) = (self.sequence, self.session);
+            let word = Word::Control {
+                action,
+                sequence,
+                session,
+            };
+            self.send(axis.into(), word);
+            let given_up = Instant::now() + 2 * BEAT;
+            self.listen("answer", |heard| match heard {
+                Some((
+                    from,
+                    Report::Acknowledgement {
+                        sequence: to,
+                        function: Function::Control,
+                        reason,
+                        detail,
+                    },
+                )) if from == axis && *to == sequence => {
+                    answer = Some((*reason, *detail as u8));
+                    true
+                }
+                _ => Instant::now() >= given_up,
+            });
+            match answer {
+                Some((Reason::StaleSequence, last)) => self.sequence = last,
+                Some(_) => break,
+                None => {}
+            }
+        }
+        answer.map(|(reason, _)| reason)
     }
 }
 
