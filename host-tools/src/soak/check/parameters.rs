@@ -19,6 +19,11 @@ pub(super) struct Parameters {
     /// What was asked for since the last tick.
     written: Vec<(Parameter, i64)>,
     restored: bool,
+    /// What the axis has as long as nothing is saved.
+    factory: Values,
+    /// Whether something is saved for certain, and whether a first save may be torn.
+    is_saved: bool,
+    is_torn: bool,
     /// What the node's flash may hold: what was saved last, and what may have been saved since.
     kept: Vec<Values>,
     /// The number of the save that has no answer yet, and what it may be saving.
@@ -33,6 +38,9 @@ impl Parameters {
             values: *values,
             written: Vec::new(),
             restored: false,
+            factory: *values,
+            is_saved: false,
+            is_torn: false,
             kept: vec![*values],
             saving: None,
             saves: Vec::new(),
@@ -54,6 +62,10 @@ impl Parameters {
 
     /// The axis got a command from who may.
     pub(super) fn command(&mut self, axis: u8, command: &Command) {
+        if let Command::Control { sequence, .. } = command {
+            // An answer to that number is no more about the save.
+            self.saving = self.saving.filter(|saving| saving != sequence);
+        }
         match *command {
             Command::ParameterWrite {
                 parameter, value, ..
@@ -86,6 +98,7 @@ impl Parameters {
                     }
                 }
                 self.kept.extend_from_slice(&self.saves);
+                self.is_torn |= !self.is_saved;
             }
             _ => {}
         }
@@ -95,16 +108,21 @@ impl Parameters {
     pub(super) fn report(&mut self, report: &Report) {
         let Report::Acknowledgement {
             function: Function::Control,
-            reason: Reason::Accepted,
+            reason,
             sequence,
             ..
         } = *report
         else {
             return;
         };
-        if self.saving == Some(sequence) {
-            self.saving = None;
+        if self.saving != Some(sequence) {
+            return;
+        }
+        self.saving = None;
+        // One that is refused may have been half way to the flash.
+        if reason == Reason::Accepted {
             self.kept = std::mem::take(&mut self.saves);
+            (self.is_saved, self.is_torn) = (true, false);
         }
     }
 
@@ -145,9 +163,16 @@ impl Parameters {
 
     /// A node that begins has what was saved, all of it.
     fn begins(&mut self, values: &Values, now: &Glance) -> Verdict {
-        if self.kept.contains(values) && now.fault != Some(Fault::ParametersLost) {
+        let lost = now.fault == Some(Fault::ParametersLost);
+        if self.kept.contains(values) && !lost {
+            // What else may have been saved is not; a save that was the first has left a trace.
+            self.is_saved |= *values != self.factory;
             self.kept.clear();
             self.kept.push(*values);
+            return Ok(());
+        }
+        // A first save that was torn in its last word looks like one that has gone bad.
+        if lost && self.is_torn && *values == self.factory {
             return Ok(());
         }
         let lost = match now.fault {

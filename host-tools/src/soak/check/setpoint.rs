@@ -8,12 +8,9 @@ use canter_shared::units::{Position, Velocity};
 use super::{Believe, Finding, Glance, Verdict};
 use crate::soak::invariant::Invariant;
 
-/// Counts of 2^-32 turn by which a position may be outside: 1.5 nanorad.
-const BESIDE: i64 = 1;
-
-/// Counts per second by which a velocity may be over its limit: 12 nanorad/s, the margin that
-/// plans keep for rounding.
-const FASTER: i64 = 8;
+/// Counts of 2^-32 turn by which a position may be outside, and counts per second by which a
+/// velocity may be over its limit: the margin that plans keep for rounding. 12 nanorad.
+const MARGIN: i64 = 8;
 
 /// Counts of 2^-32 turn by which a position may differ from what the velocities between two ticks
 /// make of it: both are rounded.
@@ -110,8 +107,8 @@ impl Setpoints {
         let strongest = limits.acceleration().max(limits.deceleration());
         let travel = (limits.position_minimum(), limits.position_maximum());
         let (least, most) = self.reach.unwrap_or(travel);
-        let beside = Position::from_counts(BESIDE);
-        let faster = Velocity::from_counts(FASTER);
+        let beside = Position::from_counts(MARGIN);
+        let faster = Velocity::from_counts(MARGIN);
         let broken = if setpoint.velocity.abs() > limits.velocity() + faster {
             format!(
                 "the velocity limit {:.9} rad/s",
