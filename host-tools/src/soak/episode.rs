@@ -155,20 +155,6 @@ impl Observer for Witness {
 
     fn tick(&mut self, time: TrueTime, tick: &AxisTick<'_>) {
         let mut now = Glance::of(time, tick);
-        if std::env::var("DBGAX").is_ok_and(|a| a == tick.setpoint.axis.to_string()) {
-            eprintln!(
-                "{} {} p {} v {} a {} moving {} fault {:?} session {:?} lim {:?}",
-                now.tick.0,
-                now.state,
-                now.setpoint.position.counts(),
-                now.setpoint.velocity.counts(),
-                now.setpoint.acceleration.counts(),
-                now.moving,
-                now.fault,
-                now.session,
-                tick.axis.limits()
-            );
-        }
         let mut values = *tick.axis.values();
         let mut limits = *tick.axis.limits();
         if let Some(axis) = self.meant.get(tick.node)

@@ -84,8 +84,13 @@ impl Setpoints {
             SETTLED.min(self.in_motion + 1)
         };
         self.begun = SETTLED.min(self.begun + 1);
-        // A node that begins runs its first tick at once.
-        let late = passed > TICK + TICK_ROUNDING && self.begun == SETTLED;
+        // A node that begins runs its first tick at once; a clock is set by less than a tick, or
+        // leaves whole ones out.
+        let may_pass = match (self.begun, self.in_motion) {
+            (SETTLED, SETTLED) => TICK + TICK_ROUNDING,
+            _ => 2 * TICK,
+        };
+        let late = passed > may_pass;
         let early = passed + TICK_ROUNDING < TICK;
         if late || !still && !in_turn || self.in_motion == SETTLED && early {
             return Err(Finding(
