@@ -2,10 +2,12 @@
 
 use std::{env, error::Error, fs, path::PathBuf};
 
-/// 512 KiB of flash in two banks. RAM is SRAM1 and SRAM2; the CCM behind them is left alone.
+/// Half of the 512 KiB of flash: the processor can read one bank while the other is erased, so the
+/// image is in the first and the parameters are in the second. RAM is SRAM1 and SRAM2; the CCM behind
+/// them is left alone.
 const STM32G474RE: &str = "MEMORY
 {
-  FLASH : ORIGIN = 0x08000000, LENGTH = 512K
+  FLASH : ORIGIN = 0x08000000, LENGTH = 256K
   RAM   : ORIGIN = 0x20000000, LENGTH = 96K
 }
 ";

@@ -17,6 +17,8 @@ pub struct Signals {
     pub(crate) retimed: Signal<CriticalSectionRawMutex, ()>,
     /// For the planning task: there is something to plan.
     pub(crate) plan: Signal<CriticalSectionRawMutex, ()>,
+    /// For the storage task: there is something to save.
+    pub(crate) save: Signal<CriticalSectionRawMutex, ()>,
 }
 
 impl Signals {
@@ -26,6 +28,7 @@ impl Signals {
             transmit: Signal::new(),
             retimed: Signal::new(),
             plan: Signal::new(),
+            save: Signal::new(),
         }
     }
 }
@@ -34,17 +37,21 @@ impl Signals {
 pub async fn receive(node: &SharedNode, signals: &Signals, mut port: impl CanReceive) -> ! {
     loop {
         let received = port.receive().await;
-        let (retimed, plans) = node.lock(|node| {
+        let (retimed, plans, saves) = node.lock(|node| {
             let mut node = node.borrow_mut();
             let before = node.next_tick();
             node.handle_frame(received.at, &received.frame);
-            (node.next_tick() != before, node.has_plan())
+            let retimed = node.next_tick() != before;
+            (retimed, node.has_plan(), node.has_save())
         });
         if retimed {
             signals.retimed.signal(());
         }
         if plans {
             signals.plan.signal(());
+        }
+        if saves {
+            signals.save.signal(());
         }
         signals.transmit.signal(());
     }

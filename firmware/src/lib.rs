@@ -10,6 +10,7 @@
 //! | [`control`] | the 1 kHz task |
 //! | [`bus`] | the receive and the transmit task |
 //! | [`planning`] | the planning task |
+//! | [`storage`] | the storage task |
 //! | [`priority`] | who may interrupt whom |
 //!
 //! A board is one file in `src/bin/`: clocks, pins, interrupts, and thin `#[task]` wrappers,
@@ -32,6 +33,7 @@ pub mod node;
 pub mod planning;
 pub mod port;
 pub mod priority;
+pub mod storage;
 
 use canter_shared::time::LocalTime;
 

@@ -4,10 +4,11 @@ use core::cell::RefCell;
 use core::sync::atomic::{Ordering, compiler_fence};
 
 use canter_shared::drive::simulated::Simulated;
-use canter_shared::limits::Limits;
 use canter_shared::node::{Board, Identity, Node};
+use canter_shared::parameter::Values;
+use canter_shared::parameter::store::{Loaded, StoredAxis};
 use canter_shared::units::Position;
-use canter_shared::wire::id::AxisId;
+use canter_shared::wire::id::{AxisId, LAST_AXIS};
 use cortex_m::register::{basepri, basepri_max};
 use embassy_sync::blocking_mutex::Mutex;
 use embassy_sync::blocking_mutex::raw::RawMutex;
@@ -57,22 +58,45 @@ const fn number(text: &str) -> u8 {
 /// never a wrong position: a setpoint is evaluated for its tick, not for the instant of the call.
 pub type SharedNode = Mutex<CeilingMutex, RefCell<Node<Simulated, AXES>>>;
 
-/// A node with simulated drives, all axes at position zero and disabled.
+/// A node with simulated drives, all axes at position zero and disabled, with the ids and parameters
+/// that were saved. Where nothing was, ids follow [`FIRST_AXIS`]; where it is lost, that is a fault.
 ///
 /// # Panics
-/// Never: [`FIRST_AXIS`] is checked at compile time and the axes fit by count.
-pub fn new(chip: [u8; 12], board: Board) -> SharedNode {
+/// Never: the axes fit by count, and no id is taken that another has.
+pub fn new(chip: [u8; 12], board: Board, loaded: &Loaded<AXES>) -> SharedNode {
     let mut node = Node::new(Identity {
         chip,
         firmware: VERSION,
         board,
     });
-    for id in (FIRST_AXIS..).take(AXES) {
-        let added = AxisId::new(id)
-            .map(|axis| node.add_axis(axis, Limits::default(), Simulated::new(Position::ZERO)));
+    let kept = match loaded {
+        Loaded::Image(image) => image.as_slice(),
+        Loaded::Empty | Loaded::Lost => &[],
+    };
+    for place in 0..AXES {
+        let (id, values) = match kept.get(place) {
+            Some(stored) => (stored.axis, stored.values),
+            // An image of an older firmware may have had fewer axes.
+            None => {
+                let id = free_id(FIRST_AXIS + place as u8, kept);
+                (id, Values::defaults(id))
+            }
+        };
+        let drive = Simulated::new(Position::ZERO);
+        let added = AxisId::new(id).map(|axis| node.add_axis_with_values(axis, &values, drive));
         assert!(matches!(added, Some(Ok(()))), "an axis was refused");
     }
+    if *loaded == Loaded::Lost {
+        node.lose_parameters();
+    }
     Mutex::new(RefCell::new(node))
+}
+
+/// This id, or the next one that none of those kept has.
+fn free_id(wanted: u8, kept: &[StoredAxis]) -> u8 {
+    let mut ids = (wanted..=LAST_AXIS).chain(1..wanted);
+    let is_free = |id: &u8| kept.iter().all(|stored| stored.axis != *id);
+    ids.find(is_free).unwrap_or(wanted)
 }
 
 /// A lock that raises the processor's priority to the 1 kHz task's while it is held.
@@ -83,8 +107,8 @@ pub fn new(chip: [u8; 12], board: Board) -> SharedNode {
 pub struct CeilingMutex(());
 
 // SAFETY: the lock excludes whoever runs at or below the ceiling, and nobody above it takes it:
-// only `control::run` (at the ceiling) and `bus::receive`, `bus::transmit` and `planning::run`
-// (below it) do, at the priorities of `crate::priority`. A nested lock keeps the ceiling until the outer one ends.
+// only `control::run` (at the ceiling) and `bus::receive`, `bus::transmit`, `planning::run`
+// and `storage::run` (below it) do, at the priorities of `crate::priority`. A nested lock keeps the ceiling until the outer one ends.
 unsafe impl RawMutex for CeilingMutex {
     const INIT: Self = Self(());
 

@@ -8,6 +8,7 @@
 //! | 4 | the 1 kHz task | one tick |
 //! | 8 | receive task, transmit task | 2000 instructions for each frame and axis |
 //! | 12 | planning task: works out changes of motion | up to 0.6 ms for each axis |
+//! | 14 | storage task: erases and writes flash | some 30 ms for each save |
 //! | thread | sleeps | |
 //!
 //! What stands above the 1 kHz task is bounded by the bus: 1 Mbit/s carries at most one frame in
@@ -28,6 +29,10 @@ pub const BUS: u8 = 8;
 
 /// The executor of the planning task: below all that must not wait.
 pub const PLANNING: u8 = 12;
+
+/// The executor of the storage task, which waits for the flash: below planning, so that a stop that
+/// comes meanwhile is planned at once.
+pub const STORAGE: u8 = 14;
 
 /// The priority as the NVIC's registers and BASEPRI take it: in the upper 4 of 8 bits.
 pub const fn register(priority: u8) -> u8 {

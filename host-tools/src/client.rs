@@ -1,8 +1,9 @@
 //! A commander of axes on a bus: finds them, holds them, moves them together, lets them go.
 //!
 //! A [`Client`] listens at first. From [`Client::hold`] on it is the commander of some axes and
-//! keeps them alive: it sends SYNC and its heartbeat whenever it waits for something. It must then
-//! not be left waiting elsewhere for longer than the axes' time-out (0.25 s), or they stop.
+//! keeps them alive: it sends its heartbeat whenever it waits for something, and SYNC where no
+//! other host does. It must then not be left waiting elsewhere for longer than the axes' time-out
+//! (0.25 s), or they stop.
 //!
 //! | file | what it holds |
 //! |---|---|

@@ -124,6 +124,8 @@ pub fn parse(text: &str, path: &Path) -> Result<Vec<Change>, ParameterFileError>
             });
         }
     }
+    // In the order of the tables, not of the letters.
+    changes.sort_by_key(|change| (change.axis, change.parameter));
     Ok(changes)
 }
 

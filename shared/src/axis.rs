@@ -1,9 +1,9 @@
 //! One axis: who may move it, what it is doing, and when it must stop.
 //!
 //! The promise above all others: whatever frames arrive, in whatever order, lost, doubled or
-//! forged, the setpoints never leave the limits and never jump. Loss of the host or of the drive
-//! leads to a controlled stop, then to a latched fault. Nothing resumes motion by itself.
-//! Enabling starts from where the drive is, never from an old target.
+//! forged, the setpoints never leave the limits and never jump. Whatever goes wrong leads to a stop
+//! and to a latched fault. Nothing resumes motion by itself. Enabling starts from where the drive
+//! is, never from an old target.
 //!
 //! The axis is sans-IO. Its owner calls `handle_frame` and `handle_drive` when something arrives,
 //! `tick` exactly once for each tick, and `poll_transmit` until there is nothing left to send.
@@ -20,8 +20,10 @@
 //! | `prepared` | what is told ahead of a move |
 //! | `planning` | changes of motion: decided, planned, committed |
 //! | `course` | the motion under way, and the one that takes over |
-//! | `supervision` | drive and host watched; the state machine |
-//! | `state`, `fault` | their tables |
+//! | `supervision` | host, drive and bus watched |
+//! | `reaction` | how the axis comes to rest when something has gone wrong |
+//! | `fault` | the table of what can go wrong |
+//! | `state` | the states, and the way from one to the next |
 //! | `telemetry` | what is sent, and when |
 
 mod answer;
@@ -32,16 +34,17 @@ pub mod fault;
 mod parameters;
 mod planning;
 mod prepared;
+mod reaction;
 pub mod state;
 mod streaming;
-mod supervision;
+pub(crate) mod supervision;
 mod telemetry;
 
 use crate::drive::{Condition, DriveCommand, DriveReport};
 use crate::limits::Limits;
 use crate::motion::shaping::{Shaper, Shaping, ShapingError};
 use crate::motion::{Move, Setpoint};
-use crate::parameter::{Settings, Values};
+use crate::parameter::{Reaction, Settings, Values};
 use crate::time::{BusTime, Tick, Ticks};
 use crate::units::Position;
 use crate::wire::command::Session;
@@ -123,6 +126,10 @@ pub struct Axis {
     saving: Option<Saving>,
     state: State,
     fault: Option<Fault>,
+    /// How the axis comes to rest, while it does so because of a fault.
+    reaction: Reaction,
+    /// Ticks for which the drive has been too far from its setpoint.
+    astray: u16,
     /// When the state was entered.
     since: Tick,
     request: Option<Request>,
@@ -165,6 +172,8 @@ impl Axis {
             saving: None,
             state: State::NotReadyToSwitchOn,
             fault: None,
+            reaction: Reaction::ControlledStop,
+            astray: 0,
             since: Tick(0),
             request: None,
             course: Course::at_rest(Position::ZERO),
@@ -233,7 +242,7 @@ impl Axis {
             return Err(ShapingError::Moving);
         }
         let values = self.values.shaped(shaping)?;
-        self.take_values(&values)
+        self.take_values(&values, values.settings())
     }
 
     fn shapes(&self) -> bool {
@@ -353,11 +362,12 @@ impl Axis {
         self.drive.map(|report| report.condition)
     }
 
-    /// Whether the drive is there and without a fault of its own.
+    /// Whether the drive is there, without a fault of its own, and in a place that can be told.
     fn drive_is_ready(&self) -> bool {
-        matches!(
-            self.condition(),
-            Some(Condition::Disabled | Condition::Enabled)
-        )
+        let well = |report: &DriveReport| {
+            matches!(report.condition, Condition::Disabled | Condition::Enabled)
+        };
+        self.drive
+            .is_some_and(|report| well(&report) && self.carries(&report))
     }
 }

@@ -25,6 +25,7 @@ mod assign;
 mod save;
 
 use crate::axis::state::State;
+use crate::axis::supervision::sender_of;
 use crate::axis::{Axis, FinishedPlan, Outcome, Plan};
 use crate::drive::Drive;
 use crate::limits::Limits;
@@ -204,8 +205,16 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
             .map_or(LocalTime(0), |tick| self.clock.local_time(tick.time()))
     }
 
-    /// Takes a frame that arrived at `now`.
+    /// Takes a frame that arrived at `now`. The node must not be given what it sends itself: what
+    /// comes in the name of one of its axes is from another node with that id.
     pub fn handle_frame(&mut self, now: LocalTime, frame: &Frame) {
+        if let Some(sender) = sender_of(frame) {
+            let mut slots = self.slots.iter_mut();
+            if let Some(slot) = slots.find(|slot| slot.axis.id() == sender) {
+                slot.axis.hear_double();
+            }
+            return;
+        }
         let Ok(Some((address, command))) = Command::decode(frame) else {
             return;
         };
@@ -266,7 +275,8 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
     pub fn tick(&mut self, now: LocalTime) -> &[AxisSetpoint] {
         self.ticked = now;
         let bus_time = self.clock.bus_time(now);
-        let tick = self.next.unwrap_or(bus_time.next_tick());
+        // Only the first one is worked out: a division of 64 bits is not for every tick.
+        let tick = self.next.unwrap_or_else(|| bus_time.next_tick());
         self.next = Some(Tick(tick.0.saturating_add(1)));
         self.setpoints.clear();
         for Slot { axis, drive, .. } in &mut self.slots {
@@ -353,9 +363,13 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
         })
     }
 
-    /// Counts something that happened on the bus; the heartbeats of all axes tell it.
+    /// Counts something that happened on the bus; the heartbeats of all axes tell it. Off the bus
+    /// is a fault of each axis too.
     pub fn count(&mut self, event: BusEvent) {
         for slot in &mut self.slots {
+            if event == BusEvent::BusOff {
+                slot.axis.lose_bus();
+            }
             let counters = slot.axis.counters_mut();
             let counter = match event {
                 BusEvent::BusOff => &mut counters.bus_off,

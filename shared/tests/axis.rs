@@ -18,6 +18,7 @@ mod axis {
     mod planning;
     mod random;
     mod random_stream;
+    mod reaction;
     mod s_curve;
     mod saving;
     mod sequence;
@@ -31,5 +32,7 @@ mod axis {
     mod three;
     mod trapezoid;
     mod trigger;
+    mod troubles;
     mod turns;
+    mod watch;
 }

@@ -102,7 +102,7 @@ fn scan_and_status_tell_of_twelve_axes() {
     assert!(
         nodes
             .iter()
-            .all(|node| node["protocol"] == "1.1" && node["doubled"] == false)
+            .all(|node| node["protocol"] == "1.2" && node["doubled"] == false)
     );
 
     let status = canter("status --json").success().json();

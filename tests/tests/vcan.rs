@@ -2,10 +2,12 @@
 //! the kernel that runs or inside user-mode Linux; each test has a bus of its own.
 
 mod vcan {
+    mod double;
     mod flood;
     mod moves;
     mod refusals;
     mod robot;
+    mod store;
     mod trouble;
     mod two_hosts;
 }

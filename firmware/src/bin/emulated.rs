@@ -18,8 +18,10 @@ use canter_firmware::emulated::trace::Trace;
 use canter_firmware::emulated::{slcan, time};
 use canter_firmware::node::{self, FIRST_AXIS, SharedNode};
 use canter_firmware::port::NoWatchdog;
-use canter_firmware::{control, planning, priority};
+use canter_firmware::{control, planning, priority, storage};
 use canter_shared::node::Board;
+use canter_shared::parameter::flash::MemoryFlash;
+use canter_shared::parameter::store::Store;
 use cortex_m::peripheral::{NVIC, SCB};
 use cortex_m_rt::{ExceptionFrame, entry, exception};
 use embassy_executor::InterruptExecutor;
@@ -31,9 +33,14 @@ use stm32_metapac::{Interrupt, interrupt};
 static CONTROL: InterruptExecutor = InterruptExecutor::new();
 static BUS: InterruptExecutor = InterruptExecutor::new();
 static PLANNING: InterruptExecutor = InterruptExecutor::new();
+static STORAGE: InterruptExecutor = InterruptExecutor::new();
 
 static SIGNALS: Signals = Signals::new();
 static NODE: StaticCell<SharedNode> = StaticCell::new();
+
+/// No flash that could be written is emulated: what is saved lasts until the emulator ends.
+type Memory = MemoryFlash<{ 2 * SLOT as usize }, { SLOT as usize }>;
+const SLOT: u32 = 512;
 
 /// There is no chip to have an id: one for each image, so that several can share a bus.
 const CHIP: [u8; 12] = {
@@ -50,7 +57,9 @@ fn main() -> ! {
     };
     time::start(core.SYST);
     let (receiver, transmitter, monitor) = slcan::start();
-    let node = NODE.init(node::new(CHIP, Board::Emulated));
+    let mut store = storage::store(Memory::new(), 0, SLOT);
+    let loaded = storage::load(&mut store);
+    let node = NODE.init(node::new(CHIP, Board::Emulated, &loaded));
 
     // SAFETY: no executor runs yet and no lock is held, so no order of priorities is in use.
     unsafe {
@@ -61,7 +70,10 @@ fn main() -> ! {
         set(Interrupt::UART5, priority::CONTROL);
         set(Interrupt::UART4, priority::BUS);
         set(Interrupt::USART3, priority::PLANNING);
+        set(Interrupt::USART6, priority::STORAGE);
     }
+    let keeper = STORAGE.start(Interrupt::USART6);
+    keeper.spawn(storage_task(node, store).unwrap());
     let planner = PLANNING.start(Interrupt::USART3);
     planner.spawn(planning_task(node).unwrap());
     let bus = BUS.start(Interrupt::UART4);
@@ -99,6 +111,12 @@ unsafe fn USART3() {
     unsafe { PLANNING.on_interrupt() }
 }
 
+#[interrupt]
+unsafe fn USART6() {
+    // SAFETY: this is the interrupt that `STORAGE` is started with, and nothing else calls it.
+    unsafe { STORAGE.on_interrupt() }
+}
+
 #[embassy_executor::task]
 async fn control_task(node: &'static SharedNode, monitor: slcan::Monitor, trace: Trace) -> ! {
     control::run(node, &SIGNALS, monitor, trace, NoWatchdog).await
@@ -117,6 +135,11 @@ async fn transmit_task(node: &'static SharedNode, transmitter: slcan::Transmitte
 #[embassy_executor::task]
 async fn planning_task(node: &'static SharedNode) -> ! {
     planning::run(node, &SIGNALS).await
+}
+
+#[embassy_executor::task]
+async fn storage_task(node: &'static SharedNode, store: Store<Memory>) -> ! {
+    storage::run(node, &SIGNALS, store).await
 }
 
 /// As on a real board; with `-no-reboot` QEMU ends, so a test cannot miss it.

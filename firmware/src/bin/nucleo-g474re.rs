@@ -10,9 +10,10 @@ use canter_firmware::node::{self, FIRST_AXIS, SharedNode};
 use canter_firmware::port::{
     BusCounts, BusMonitor, CanReceive, CanTransmit, Received, SetpointSink, Tally, Watchdog,
 };
-use canter_firmware::{control, now, planning, priority};
+use canter_firmware::{control, now, planning, priority, storage};
 use canter_shared::axis::state::State;
 use canter_shared::node::{AxisSetpoint, Board};
+use canter_shared::parameter::store::Store;
 use canter_shared::wire::frame::Frame;
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::{ExceptionFrame, entry, exception};
@@ -22,6 +23,7 @@ use embassy_stm32::can::config::{
     FdCanConfig, GlobalFilter, NominalBitTiming, NonMatchingFilter, TxBufferMode,
 };
 use embassy_stm32::can::{self, CanConfigurator, CanRx, CanTx};
+use embassy_stm32::flash::{Blocking, Flash};
 use embassy_stm32::gpio::{Level, Output, Speed};
 use embassy_stm32::interrupt::typelevel::{FDCAN1_IT0, Handler};
 use embassy_stm32::interrupt::{InterruptExt, Priority};
@@ -32,6 +34,7 @@ use embassy_stm32::{Config, bind_interrupts, interrupt, pac, rcc};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::channel::Channel;
 use embassy_time::{Duration, block_for};
+use embedded_storage::nor_flash::NorFlash;
 use static_cell::StaticCell;
 
 bind_interrupts!(struct Interrupts {
@@ -45,6 +48,7 @@ static RECEPTION: InterruptExecutor = InterruptExecutor::new();
 static CONTROL: InterruptExecutor = InterruptExecutor::new();
 static BUS: InterruptExecutor = InterruptExecutor::new();
 static PLANNING: InterruptExecutor = InterruptExecutor::new();
+static STORAGE: InterruptExecutor = InterruptExecutor::new();
 
 static SIGNALS: Signals = Signals::new();
 static NODE: StaticCell<SharedNode> = StaticCell::new();
@@ -66,6 +70,13 @@ const CRYSTAL: Hertz = Hertz(24_000_000);
 /// is 29.5 to 34 kHz, so it bites after 18.8 to 21.7 ms.
 const WATCHDOG_MICROSECONDS: u32 = 20_000;
 
+/// The slots of the parameters: the last two pages of the second bank. The image is in the first one
+/// (see build.rs), from which the processor goes on reading while a page of the second is erased, for
+/// some 22 ms: neither the 1 kHz task nor the watchdog waits for that, only the storage task does.
+const SLOTS: u32 = 512 * 1024 - 2 * SLOT;
+const SLOT: u32 = 2 * 1024;
+const _: () = assert!(SLOT as usize == <Flash as NorFlash>::ERASE_SIZE);
+
 #[entry]
 fn main() -> ! {
     let board = embassy_stm32::init(clocks());
@@ -79,7 +90,10 @@ fn main() -> ! {
     let mut watchdog = IndependentWatchdog::new(board.IWDG, WATCHDOG_MICROSECONDS);
     // A processor that a debugger has halted cannot feed it.
     pac::DBGMCU.apb1lfzr().modify(|w| w.set_iwdg(true));
-    let node = NODE.init(node::new(embassy_stm32::uid::uid(), Board::NucleoG474re));
+    let mut store = storage::store(Flash::new_blocking(board.FLASH), SLOTS, SLOT);
+    let loaded = storage::load(&mut store);
+    let chip = embassy_stm32::uid::uid();
+    let node = NODE.init(node::new(chip, Board::NucleoG474re, &loaded));
     let led = Led::new(Output::new(board.PA5, Level::Low, Speed::Low));
 
     // The driver subtracts up to 65535 x 41 ns = 2.7 ms from the time of a frame and panics where
@@ -95,8 +109,11 @@ fn main() -> ! {
     interrupt::UART5.set_priority(level(priority::CONTROL));
     interrupt::LPUART1.set_priority(level(priority::BUS));
     interrupt::USART3.set_priority(level(priority::PLANNING));
+    interrupt::USART2.set_priority(level(priority::STORAGE));
 
     watchdog.unleash();
+    let keeper = STORAGE.start(interrupt::USART2);
+    keeper.spawn(storage_task(node, store).unwrap());
     let planner = PLANNING.start(interrupt::USART3);
     planner.spawn(planning_task(node).unwrap());
     let bus = BUS.start(interrupt::LPUART1);
@@ -197,6 +214,12 @@ unsafe fn USART3() {
     unsafe { PLANNING.on_interrupt() }
 }
 
+#[interrupt]
+unsafe fn USART2() {
+    // SAFETY: this is the interrupt that `STORAGE` is started with, and nothing else calls it.
+    unsafe { STORAGE.on_interrupt() }
+}
+
 #[embassy_executor::task]
 async fn control_task(node: &'static SharedNode, led: Led, watchdog: Dog) -> ! {
     control::run(node, &SIGNALS, Monitor, led, watchdog).await
@@ -215,6 +238,11 @@ async fn transmit_task(node: &'static SharedNode, transmitter: CanTx<'static>) -
 #[embassy_executor::task]
 async fn planning_task(node: &'static SharedNode) -> ! {
     planning::run(node, &SIGNALS).await
+}
+
+#[embassy_executor::task]
+async fn storage_task(node: &'static SharedNode, store: Store<Flash<'static, Blocking>>) -> ! {
+    storage::run(node, &SIGNALS, store).await
 }
 
 /// Empties the three-deep hardware FIFO and stamps the frames.
@@ -349,6 +377,20 @@ fn panic(info: &PanicInfo) -> ! {
 #[exception]
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
     defmt::error!("hard fault at {:x}", frame.pc());
+    SCB::sys_reset()
+}
+
+/// A word of flash whose programming was cut short has no valid check bits, and to read it brings
+/// this interrupt. In the parameters' bank that is no reason for a reset, which would only read it
+/// again: the store finds by its own check that the slot is not whole, and takes the other one.
+#[exception]
+unsafe fn NonMaskableInt() {
+    let state = pac::FLASH.eccr().read();
+    if (state.eccd() || state.eccd2()) && state.bk_ecc() {
+        // The flags are cleared by writing them back.
+        pac::FLASH.eccr().write_value(state);
+        return;
+    }
     SCB::sys_reset()
 }
 

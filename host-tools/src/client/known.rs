@@ -72,7 +72,12 @@ impl KnownAxis {
                     detail,
                 });
             }
-            Report::Started { sequence, time } => self.started = Some((sequence, time)),
+            Report::Started { sequence, time } => {
+                self.started = Some((sequence, time));
+                // The last feedback may be from before: a node that was held up takes a trigger
+                // just before its start.
+                self.moving = Some(true);
+            }
             Report::Fault { fault, .. } => self.fault = Fault::try_from(fault).ok(),
             Report::Feedback {
                 position,
@@ -192,5 +197,29 @@ impl KnownNode {
 fn add(halves: &mut Vec<[u8; 6]>, half: [u8; 6]) {
     if !halves.contains(&half) {
         halves.push(half);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_axis_that_has_started_moves_until_a_later_feedback_says_that_it_rests() {
+        let mut known = KnownAxis::default();
+        let rests = Report::Feedback {
+            position: Position::ZERO,
+            velocity: Velocity::ZERO,
+            state: State::OperationEnabled.into(),
+            moving: false,
+        };
+        let started = Report::Started {
+            sequence: 1,
+            time: BusTime(1),
+        };
+        for (report, moving) in [(rests, false), (started, true), (rests, false)] {
+            known.learn(&report, BusTime(0));
+            assert_eq!(known.moving, Some(moving));
+        }
     }
 }

@@ -3,7 +3,9 @@
 use super::answer::{Refusal, acknowledgement};
 use super::fault::Fault;
 use super::planning::{Leave, WantedMove};
+use super::reaction::Stopping;
 use super::state::State;
+use super::supervision::sender_of;
 use super::{Axis, Outcome, Reply, Request};
 use crate::motion::Move;
 use crate::time::{BusTime, LONGEST_MOVE, Tick, Ticks};
@@ -30,9 +32,16 @@ enum Done {
 }
 
 impl Axis {
-    /// Takes a frame that arrived at bus time `now`. Anything that is not a command for this axis
-    /// is ignored; SYNC and identity are the node's.
+    /// Takes a frame that arrived at bus time `now`. A report of this axis that comes from the bus is
+    /// the fault duplicate_axis. Anything else that is not a command for this axis is ignored; SYNC
+    /// and identity are the node's.
     pub fn handle_frame(&mut self, now: BusTime, frame: &Frame) -> Outcome {
+        if let Some(sender) = sender_of(frame) {
+            if sender == self.id {
+                self.hear_double();
+            }
+            return Outcome::Ignored;
+        }
         let Ok(Some((address, command))) = Command::decode(frame) else {
             return Outcome::Ignored;
         };
@@ -387,7 +396,8 @@ impl Axis {
     fn stop(&mut self, why: Refusal) {
         self.forget_moves(why);
         if self.state.drives() {
-            self.want_stop(why);
+            self.call_off_moves(why);
+            self.want_stop(Stopping::Controlled);
             self.telemetry.hasten();
         }
     }

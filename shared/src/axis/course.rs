@@ -5,6 +5,7 @@
 //! stream takes over in the same way, from rest.
 
 use super::Departure;
+use super::reaction::Stopping;
 use crate::limits::Limits;
 use crate::motion::stream::Stream;
 use crate::motion::{Motion, Setpoint};
@@ -15,8 +16,8 @@ use crate::units::Position;
 #[derive(Debug, Clone, Copy)]
 struct Next {
     splice: Tick,
-    /// Whether it brings the axis to rest, instead of to a target.
-    stops: bool,
+    /// How it brings the axis to rest; `None` where it leads to a target.
+    stops: Option<Stopping>,
     departure: Option<Departure>,
 }
 
@@ -70,13 +71,23 @@ pub(super) enum StreamStop {
     Planned,
     /// It rests sooner by itself.
     AsItIs,
-    /// With the deceleration limit from the splice on: no smoother stop stays inside the travel.
+    /// With the deceleration limit from the splice on: as a quick stop, and where no smoother one stays
+    /// inside the travel.
     Brake,
 }
 
 impl Streamed {
     /// Plans a stop from `splice` on into `motion`, where the stream needs one.
-    pub(super) fn stop(&self, splice: Tick, limits: &Limits, motion: &mut Motion) -> StreamStop {
+    pub(super) fn stop(
+        &self,
+        splice: Tick,
+        stopping: Stopping,
+        limits: &Limits,
+        motion: &mut Motion,
+    ) -> StreamStop {
+        if stopping == Stopping::Quick {
+            return StreamStop::Brake;
+        }
         let Some(stop) = Motion::stop_from(splice, self.state, limits) else {
             return StreamStop::Brake;
         };
@@ -157,9 +168,9 @@ impl Course {
         }
     }
 
-    /// Whether a stop waits for its splice.
-    pub(super) fn is_about_to_stop(&self) -> bool {
-        self.next.is_some_and(|next| next.stops)
+    /// Whether a stop that is at least as hard waits for its splice.
+    pub(super) fn is_about_to_stop(&self, stopping: Stopping) -> bool {
+        self.next.is_some_and(|next| next.stops >= Some(stopping))
     }
 
     /// Whether the setpoint changes after `tick`, or will.
@@ -212,7 +223,7 @@ impl Course {
         &mut self,
         splice: Tick,
         motion: &Motion,
-        stops: bool,
+        stops: Option<Stopping>,
         departure: Option<Departure>,
     ) {
         *self.idle_mut() = Lead::Motion(motion.clone());
@@ -227,7 +238,7 @@ impl Course {
     pub(super) fn splice_stream(&mut self, stream: Stream, departure: Departure) {
         self.next = Some(Next {
             splice: departure.start,
-            stops: false,
+            stops: None,
             departure: Some(departure),
         });
         *self.idle_mut() = Lead::Stream(stream);
@@ -244,7 +255,7 @@ impl Course {
     /// The stream that waits for its start or is under way, to take knots on.
     pub(super) fn stream_mut(&mut self) -> Option<&mut Stream> {
         let lead = match self.next {
-            Some(next) if !next.stops => self.idle_mut(),
+            Some(next) if next.stops.is_none() => self.idle_mut(),
             _ => self.lead_mut(),
         };
         match lead {
@@ -280,7 +291,7 @@ impl Course {
 
     /// Calls off what waits for its splice, unless it is a stop.
     pub(super) fn call_off_move(&mut self) {
-        self.next = self.next.filter(|next| next.stops);
+        self.next = self.next.filter(|next| next.stops.is_some());
     }
 
     /// Calls off the stream that waits for its start.

@@ -1,11 +1,13 @@
 //! What is set about an axis: read by anybody, written by the session that holds it, saved by the
 //! owner of its node.
+//!
+//! Rare, all of it, so it is kept out of the way of the commands that are not: nothing is inlined.
 
 use super::answer::{Refusal, acknowledgement};
 use super::fault::Fault;
 use super::{Axis, Outcome, Reply};
 use crate::motion::shaping::ShapingError;
-use crate::parameter::{Change, Parameter, Values};
+use crate::parameter::{Change, Parameter, Settings, Values};
 use crate::wire::command::Item;
 use crate::wire::id::{AxisId, Function};
 use crate::wire::reason::Reason;
@@ -32,6 +34,7 @@ impl Axis {
     }
 
     /// Anybody may ask, so no session and no number are looked at.
+    #[inline(never)]
     pub(super) fn read_parameter(&mut self, number: u8, item: Item) -> Outcome {
         let Ok(parameter) = Parameter::try_from(number) else {
             let refusal = Err((Reason::UnknownParameter, number.into()));
@@ -55,37 +58,49 @@ impl Axis {
         Outcome::Accepted
     }
 
+    #[inline(never)]
     pub(super) fn write_parameter(&mut self, number: u8, raw: i64) -> Result<u32, Refusal> {
         let parameter = Parameter::try_from(number)
             .map_err(|_| (Reason::UnknownParameter, u32::from(number)))?;
         if parameter.entry().change == Change::Disabled {
             self.disabled_now()?;
         }
-        let (values, _) = self
+        // First, because it is quick and the numbers are not.
+        self.at_rest_now()?;
+        let (values, settings) = self
             .values
-            .with(parameter, raw)
+            .with_settings(&self.settings, parameter, raw)
             .map_err(|_| (Reason::OutOfRange, number.into()))?;
-        self.change_values(&values)?;
+        // What stands is the one thing that a shaper asks for.
+        self.take_values(&values, settings)
+            .map_err(|_| (Reason::Moving, 0))?;
         Ok(0)
     }
 
+    #[inline(never)]
     pub(super) fn restore_parameters(&mut self) -> Result<(), Refusal> {
         self.disabled_now()?;
-        self.change_values(&Values::defaults(self.id.get()))
+        self.at_rest_now()?;
+        let values = Values::defaults(self.id.get());
+        self.take_values(&values, values.settings())
+            .map_err(|_| (Reason::Moving, 0))
     }
 
-    fn change_values(&mut self, values: &Values) -> Result<(), Refusal> {
+    /// That the axis stands and nothing is about to move it.
+    fn at_rest_now(&self) -> Result<(), Refusal> {
         if self.is_moving() {
             return Err((Reason::Moving, 0));
         }
-        // What stands is the one thing that a shaper asks for.
-        self.take_values(values).map_err(|_| (Reason::Moving, 0))
+        Ok(())
     }
 
     /// Takes other values on, at rest. The axis may stand outside of its new travel, as one may that
     /// is enabled there: it can only be moved inside.
-    pub(super) fn take_values(&mut self, values: &Values) -> Result<(), ShapingError> {
-        let settings = values.settings();
+    pub(super) fn take_values(
+        &mut self,
+        values: &Values,
+        settings: Settings,
+    ) -> Result<(), ShapingError> {
         if settings.shaping != self.settings.shaping {
             // It did not follow what it did not shape.
             self.shaper.reset(self.setpoint.position);
@@ -105,6 +120,7 @@ impl Axis {
     }
 
     /// Asks the owner to save. The answer comes when that is done; of two the newer counts.
+    #[inline(never)]
     pub(super) fn want_save(&mut self, sequence: u8) -> Result<(), Refusal> {
         self.disabled_now()?;
         self.refuse_save((Reason::Overtaken, sequence.into()));
@@ -143,6 +159,7 @@ impl Axis {
         self.answer_save(Err(why));
     }
 
+    #[inline(never)]
     fn answer_save(&mut self, answer: Result<u32, Refusal>) {
         let Some(Saving { sequence, .. }) = self.saving.take() else {
             return;
@@ -157,6 +174,7 @@ impl Axis {
     }
 
     /// Has another id from now on. Nobody holds the axis, so nobody is left behind with the old id.
+    #[inline(never)]
     pub(crate) fn assign(&mut self, id: AxisId) -> Result<(), Refusal> {
         self.disabled_now()?;
         if let Some(holder) = self.session() {

@@ -28,6 +28,7 @@
 use super::answer::{Refusal, acknowledgement, refusal};
 use super::course::{Basis, StreamStop, Streamed};
 use super::prepared::Prepared;
+use super::reaction::Stopping;
 use super::{Axis, Departure, Outcome, Reply, Staged};
 use crate::limits::Limits;
 use crate::motion::{Motion, Move, Planned};
@@ -59,7 +60,7 @@ pub(super) struct WantedMove {
 
 #[derive(Debug, Clone, Copy)]
 enum Change {
-    Stop,
+    Stop(Stopping),
     Move(WantedMove),
 }
 
@@ -74,7 +75,12 @@ struct Job {
 
 impl Job {
     fn stops(&self) -> bool {
-        matches!(self.change, Change::Stop)
+        matches!(self.change, Change::Stop(_))
+    }
+
+    /// Whether it is a stop that is at least as hard.
+    fn stops_as(&self, stopping: Stopping) -> bool {
+        matches!(self.change, Change::Stop(own) if own >= stopping)
     }
 
     fn is_stage(&self) -> bool {
@@ -179,9 +185,14 @@ impl Plan {
     #[inline(never)]
     pub fn work(mut self) -> FinishedPlan {
         let (splice, limits) = (self.splice, &self.limits);
-        let stream = self
-            .stream
-            .map(|streamed| streamed.stop(splice, limits, &mut self.motion));
+        let stream = self.stream.map(|streamed| {
+            let stopping = match self.change {
+                Change::Stop(stopping) => stopping,
+                // No move is taken while there is a stream.
+                Change::Move(_) => Stopping::Controlled,
+            };
+            streamed.stop(splice, stopping, limits, &mut self.motion)
+        });
         let result = self.change_motion();
         FinishedPlan {
             axis: self.axis,
@@ -197,12 +208,15 @@ impl Plan {
         let splice = self.splice;
         let wanted = match self.change {
             // Done already.
-            Change::Stop if self.stream.is_some() => {
+            Change::Stop(_) if self.stream.is_some() => {
                 let end = self.motion.end().unwrap_or(splice);
                 return Ok(Planned { start: splice, end });
             }
-            Change::Stop => {
-                let end = self.motion.stop(splice, &self.limits);
+            Change::Stop(stopping) => {
+                let end = match stopping {
+                    Stopping::Controlled => self.motion.stop(splice, &self.limits),
+                    Stopping::Quick => self.motion.quick_stop(splice, &self.limits),
+                };
                 return Ok(Planned { start: splice, end });
             }
             Change::Move(wanted) => wanted,
@@ -301,7 +315,11 @@ impl Axis {
             _ if !in_time => return self.plan_again(job),
             (Change::Move(wanted), Ok(planned)) => Some((wanted, planned)),
             // A stop is never refused.
-            (Change::Stop, _) => None,
+            (Change::Stop(_), _) => None,
+        };
+        let stops = match job.change {
+            Change::Stop(stopping) => Some(stopping),
+            Change::Move(_) => None,
         };
         let departure = begun.map(|(wanted, planned)| Departure {
             sequence: wanted.sequence,
@@ -312,7 +330,7 @@ impl Axis {
             Some(StreamStop::Brake) => self.course.cut_stream(splice, &self.planning_limits()),
             Some(StreamStop::Planned) | None => {
                 self.course
-                    .splice(splice, &finished.motion, begun.is_none(), departure);
+                    .splice(splice, &finished.motion, stops, departure);
             }
         }
         self.follow_course();
@@ -365,17 +383,26 @@ impl Axis {
         Ok(job.number)
     }
 
-    /// Calls off every move that has not begun, and leaves a stop to be planned where anything
-    /// moves that is not coming to rest already.
-    pub(super) fn want_stop(&mut self, why: Refusal) {
+    /// Calls off every move that has not begun.
+    pub(super) fn call_off_moves(&mut self, why: Refusal) {
         self.call_off(why, |job| !job.stops());
         self.course.call_off_move();
         self.departure = None;
+    }
+
+    /// Leaves a stop to be planned where anything moves that is not about to stop as hard already;
+    /// only once every move that has not begun is called off. A stream takes no more knots, and one
+    /// that has run dry brakes as hard as can be by itself.
+    pub(super) fn want_stop(&mut self, stopping: Stopping) {
         let brakes = self.course.close_stream(self.tick);
         // Stops in a flood must not put off the first one.
-        let stopping = brakes || self.planning.stops() || self.course.is_about_to_stop();
-        if !stopping && self.course.is_moving(self.tick) {
-            self.planning.waiting = Some(self.planning.new_job(Change::Stop, self.tick));
+        let decided = brakes
+            || self.planning.jobs().any(|job| job.stops_as(stopping))
+            || self.course.is_about_to_stop(stopping);
+        if !decided && self.course.is_moving(self.tick) {
+            // A softer one that is still to be planned is not wanted any more.
+            self.planning.clear();
+            self.planning.waiting = Some(self.planning.new_job(Change::Stop(stopping), self.tick));
         }
     }
 

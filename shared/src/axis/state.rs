@@ -1,7 +1,16 @@
-//! The states of an axis, with the names of CiA 402 (IEC 61800-7-201, drive state machine).
+//! The states of an axis, with the names of CiA 402 (IEC 61800-7-201, drive state machine), and the
+//! way from one to the next.
 
+use super::fault::Fault;
+use super::{Axis, Request};
+use crate::drive::Condition;
+use crate::time::Ticks;
+use crate::units::Position;
 use core::fmt;
 use num_enum::{IntoPrimitive, TryFromPrimitive};
+
+/// How long a drive may take to enable: 1 s, time for the brake of a large one.
+const ENABLE_TIMEOUT: Ticks = Ticks(1_000);
 
 /// The state of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, IntoPrimitive, TryFromPrimitive)]
@@ -68,5 +77,79 @@ impl State {
 impl fmt::Display for State {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(self.name())
+    }
+}
+
+impl Axis {
+    pub(super) fn enter(&mut self, state: State) {
+        if self.state != state {
+            self.state = state;
+            self.since = self.tick;
+            self.telemetry.hasten();
+        }
+    }
+
+    /// Once a tick: goes on to the next state where it is time.
+    pub(super) fn advance(&mut self) {
+        match self.state {
+            State::NotReadyToSwitchOn => {
+                if let Some(report) = self.drive.filter(|_| self.drive_is_ready()) {
+                    self.setpoint.position = report.position;
+                    self.enter(State::SwitchOnDisabled);
+                }
+            }
+            State::SwitchOnDisabled => {
+                if !self.drive_is_ready() {
+                    self.request = None;
+                    self.enter(State::NotReadyToSwitchOn);
+                } else if self.request == Some(Request::Enable) {
+                    self.follow_drive();
+                    self.enter(State::ReadyToSwitchOn);
+                }
+            }
+            State::ReadyToSwitchOn => {
+                // The drive may be moved by hand until it holds torque.
+                self.follow_drive();
+                if self.condition() == Some(Condition::Enabled) {
+                    self.enter(State::SwitchedOn);
+                } else if self.tick.0.wrapping_sub(self.since.0) > u64::from(ENABLE_TIMEOUT.0) {
+                    self.raise(Fault::EnableTimeout);
+                }
+            }
+            State::SwitchedOn => {
+                self.request = None;
+                self.enter(State::OperationEnabled);
+            }
+            State::OperationEnabled => {
+                if self.request == Some(Request::Disable) {
+                    self.enter(State::QuickStopActive);
+                }
+            }
+            State::QuickStopActive if !self.is_moving() => {
+                self.request = None;
+                self.rest();
+                self.enter(State::SwitchOnDisabled);
+            }
+            State::FaultReactionActive if !self.is_moving() => {
+                self.rest();
+                self.enter(State::Fault);
+            }
+            State::QuickStopActive | State::FaultReactionActive | State::Fault => {}
+        }
+    }
+
+    /// Sets the setpoint to where the drive is, at rest.
+    fn follow_drive(&mut self) {
+        if let Some(report) = self.drive {
+            self.stand(report.position);
+        }
+    }
+
+    /// Forgets all motion, at rest at `position`.
+    pub(super) fn stand(&mut self, position: Position) {
+        self.course.rest(position);
+        if self.shapes() {
+            self.shaper.reset(position);
+        }
     }
 }

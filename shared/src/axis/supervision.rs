@@ -1,18 +1,45 @@
-//! What an axis watches at every tick, and the way from state to state.
+//! What an axis watches at every tick: its host, its drive, and the others on the bus.
 
+use super::Axis;
 use super::answer::Refusal;
 use super::fault::Fault;
 use super::prepared::Prepared;
 use super::state::State;
-use super::{Axis, Request};
-use crate::drive::Condition;
-use crate::motion::Setpoint;
-use crate::time::Ticks;
-use crate::units::Position;
+use crate::drive::{Condition, DriveReport};
+use crate::units::{Position, Velocity};
+use crate::wire::frame::Frame;
+use crate::wire::id::{AXIS_BITS, AxisId, LAST_AXIS};
+use crate::wire::layout::{LAYOUTS, POSITION_SHIFT, Sender, VELOCITY_SHIFT, feedback};
 use crate::wire::reason::Reason;
 
-/// How long a drive may take to enable: 1 s, time for the brake of a large one.
-const ENABLE_TIMEOUT: Ticks = Ticks(1_000);
+/// The farthest place that Feedback can carry to both sides: 1024 turns minus a step of the wire.
+pub(super) const FARTHEST: Position =
+    Position::from_counts(feedback::POSITION.range().1 << POSITION_SHIFT);
+
+/// The greatest speed that Feedback can carry: 512 turn/s minus a step of the wire.
+const FASTEST: Velocity = Velocity::from_counts(feedback::VELOCITY.range().1 << VELOCITY_SHIFT);
+
+/// One bit for each function that only nodes send.
+const REPORTS: u32 = {
+    let (mut reports, mut index) = (0, 0);
+    while index < LAYOUTS.len() {
+        if matches!(LAYOUTS[index].sender, Sender::Node) {
+            reports |= 1 << LAYOUTS[index].function as u8;
+        }
+        index += 1;
+    }
+    reports
+};
+
+/// The axis that a frame is from; `None` where it is none that a node sends.
+///
+/// Asked about every frame on the bus, before anything else: only the id is looked at.
+pub(crate) fn sender_of(frame: &Frame) -> Option<AxisId> {
+    let function = frame.id() >> AXIS_BITS;
+    // Five bits, as an id of eleven has.
+    let is_report = REPORTS >> (function & 31) & 1 != 0;
+    AxisId::new(frame.id() as u8 & LAST_AXIS).filter(|_| is_report)
+}
 
 impl Axis {
     /// Once a tick, before its setpoint: the host, the drive, then the state machine.
@@ -31,22 +58,90 @@ impl Axis {
         self.advance();
     }
 
-    /// A drive that drops out while it should follow cannot be led any more: whatever the axis
-    /// was about to do ends here.
+    /// Takes notice of a report that came from the bus, in the name of this axis: a node does not
+    /// hear itself, so another one has the same id.
+    pub(crate) fn hear_double(&mut self) {
+        self.raise(Fault::DuplicateAxis);
+    }
+
+    /// Takes notice that the node's controller went off the bus. What was commanded meanwhile is
+    /// not known, so nothing goes on once it is back.
+    pub fn lose_bus(&mut self) {
+        self.raise(Fault::BusOff);
+    }
+
     fn watch_drive(&mut self) {
+        let follows = self.state.drives() && self.state != State::ReadyToSwitchOn;
+        if self.state.drives() && self.watch_condition() {
+            return;
+        }
+        let Some(report) = self
+            .drive
+            .filter(|report| report.condition != Condition::Lost)
+        else {
+            return;
+        };
+        if !self.carries(&report) {
+            self.raise(Fault::FeedbackRange);
+        } else if follows {
+            self.watch_following(&report);
+        }
+    }
+
+    /// Whether the drive has dropped out while it should follow. Then it cannot be led any more:
+    /// whatever the axis was about to do ends here.
+    fn watch_condition(&mut self) -> bool {
         // A drive that has not enabled yet is waited for.
         let enabling = matches!(self.state, State::ReadyToSwitchOn | State::SwitchedOn);
         let fault = match self.condition() {
-            _ if !self.state.drives() => return,
-            Some(Condition::Enabled) => return,
-            Some(Condition::Disabled) if enabling => return,
+            Some(Condition::Enabled) => return false,
+            Some(Condition::Disabled) if enabling => return false,
             None | Some(Condition::Lost) => Fault::DriveLost,
             Some(Condition::Disabled | Condition::Faulted) => Fault::DriveFault,
         };
         self.raise(fault);
-        // With an earlier fault latched, that one stays the cause.
-        self.freeze();
-        self.enter(State::Fault);
+        true
+    }
+
+    /// Whether the drive is where, and as fast as, the protocol can tell. No other place must
+    /// become a setpoint.
+    ///
+    /// An axis may be set to be faster than Feedback can tell; its speed is watched by its own limit.
+    pub(super) fn carries(&self, report: &DriveReport) -> bool {
+        report.position.abs() <= FARTHEST
+            && (report.velocity.abs() <= FASTEST || self.settings.limits.velocity() > FASTEST)
+    }
+
+    /// Holds the drive's report against the last setpoint, which is what the drive has been told
+    /// when it reports: a fast axis goes on by a degree in a tick.
+    ///
+    /// Outside of the travel the drive may be where its setpoint is, which never goes farther out:
+    /// an axis that is enabled outside may come back.
+    fn watch_following(&mut self, report: &DriveReport) {
+        let settings = &self.settings;
+        if settings
+            .overspeed
+            .is_some_and(|fastest| report.velocity.abs() > fastest)
+        {
+            self.raise(Fault::Overspeed);
+            return;
+        }
+        let setpoint = self.setpoint.position;
+        let away = (report.position - setpoint).abs();
+        let Some(most) = settings.following_error.filter(|most| away > *most) else {
+            self.astray = 0;
+            return;
+        };
+        // Who is near the setpoint is not farther outside, so this is looked at only here.
+        let least = settings.limits.position_minimum().min(setpoint);
+        let greatest = settings.limits.position_maximum().max(setpoint);
+        let outside = (least - report.position).max(report.position - greatest);
+        self.astray = self.astray.saturating_add(1);
+        if outside > most {
+            self.raise(Fault::OutsideTravel);
+        } else if u32::from(self.astray) > settings.following_time.0 {
+            self.raise(Fault::FollowingError);
+        }
     }
 
     /// Forgets the session and all that only it could have meant.
@@ -65,123 +160,8 @@ impl Axis {
         self.forget_prepared();
     }
 
-    fn forget_prepared(&mut self) {
+    pub(super) fn forget_prepared(&mut self) {
         self.staged = None;
         self.prepared = Prepared::default();
-    }
-
-    /// Latches a fault, the first one only: what follows from it would hide the cause.
-    pub(super) fn raise(&mut self, fault: Fault) {
-        if self.fault.is_some() {
-            return;
-        }
-        self.fault = Some(fault);
-        self.request = None;
-        let latched = (Reason::FaultLatched, u8::from(fault).into());
-        self.forget_prepared();
-        // It calls off the moves that were only to be checked, too.
-        self.want_stop(latched);
-        // No answer from before the fault is true any more.
-        self.last_command = None;
-        self.telemetry.fault(fault.into(), self.handed_over);
-        let gone = matches!(
-            fault,
-            Fault::DriveFault | Fault::DriveLost | Fault::EnableTimeout
-        );
-        if self.state.drives() && !gone {
-            self.enter(State::FaultReactionActive);
-        } else {
-            // A drive that no longer follows cannot be led to rest.
-            self.freeze();
-            self.enter(State::Fault);
-        }
-    }
-
-    pub(super) fn enter(&mut self, state: State) {
-        if self.state != state {
-            self.state = state;
-            self.since = self.tick;
-            self.telemetry.hasten();
-        }
-    }
-
-    /// Ends all motion where the setpoint is; nothing follows setpoints any more.
-    fn freeze(&mut self) {
-        self.planning.clear();
-        self.stand(self.setpoint.position);
-        self.departure = None;
-        self.setpoint = Setpoint {
-            position: self.setpoint.position,
-            ..Setpoint::default()
-        };
-    }
-
-    /// Ends a motion that has come to its end, at that end.
-    fn rest(&mut self) {
-        self.setpoint = self.course.at(self.tick);
-        self.freeze();
-    }
-
-    fn advance(&mut self) {
-        match self.state {
-            State::NotReadyToSwitchOn => {
-                if let Some(report) = self.drive.filter(|_| self.drive_is_ready()) {
-                    self.setpoint.position = report.position;
-                    self.enter(State::SwitchOnDisabled);
-                }
-            }
-            State::SwitchOnDisabled => {
-                if !self.drive_is_ready() {
-                    self.request = None;
-                    self.enter(State::NotReadyToSwitchOn);
-                } else if self.request == Some(Request::Enable) {
-                    self.follow_drive();
-                    self.enter(State::ReadyToSwitchOn);
-                }
-            }
-            State::ReadyToSwitchOn => {
-                // The drive may be moved by hand until it holds torque.
-                self.follow_drive();
-                if self.condition() == Some(Condition::Enabled) {
-                    self.enter(State::SwitchedOn);
-                } else if self.tick.0.wrapping_sub(self.since.0) > u64::from(ENABLE_TIMEOUT.0) {
-                    self.raise(Fault::EnableTimeout);
-                }
-            }
-            State::SwitchedOn => {
-                self.request = None;
-                self.enter(State::OperationEnabled);
-            }
-            State::OperationEnabled => {
-                if self.request == Some(Request::Disable) {
-                    self.enter(State::QuickStopActive);
-                }
-            }
-            State::QuickStopActive if !self.is_moving() => {
-                self.request = None;
-                self.rest();
-                self.enter(State::SwitchOnDisabled);
-            }
-            State::FaultReactionActive if !self.is_moving() => {
-                self.rest();
-                self.enter(State::Fault);
-            }
-            State::QuickStopActive | State::FaultReactionActive | State::Fault => {}
-        }
-    }
-
-    /// Sets the setpoint to where the drive is, at rest.
-    fn follow_drive(&mut self) {
-        if let Some(report) = self.drive {
-            self.stand(report.position);
-        }
-    }
-
-    /// Forgets all motion, at rest at `position`.
-    fn stand(&mut self, position: Position) {
-        self.course.rest(position);
-        if self.shapes() {
-            self.shaper.reset(position);
-        }
     }
 }

@@ -93,11 +93,16 @@ impl Telemetry {
     }
 
     pub(super) fn next(&mut self) -> Option<Due> {
-        let report = self
-            .fault
-            .take()
-            .or_else(|| self.answers.pop_front())
-            .or_else(|| self.started.take());
+        // Looked at before it is taken: taking what is not there copies it all the same.
+        let report = if self.fault.is_some() {
+            self.fault.take()
+        } else if !self.answers.is_empty() {
+            self.answers.pop_front()
+        } else if self.started.is_some() {
+            self.started.take()
+        } else {
+            None
+        };
         if let Some(report) = report {
             return Some(Due::Report(report));
         }

@@ -19,11 +19,12 @@ pub mod exact;
 pub mod general;
 
 use super::Setpoint;
-use super::fixed::{ALMOST_ONE, multiply, scale, square_root};
+use super::fixed::{ALMOST_ONE, multiply, square_root};
 use crate::limits::Limits;
 use crate::time::{LONGEST_MOVE, Tick, Ticks};
 use crate::units::{Acceleration, Jerk, Position, Velocity};
 use core::f64::consts::PI;
+use core::hint::black_box;
 
 /// Peak velocity of the unit curve: 32 / (5 pi) R / T.
 pub const PEAK_VELOCITY: f64 = 32.0 / (5.0 * PI);
@@ -32,28 +33,31 @@ pub const PEAK_ACCELERATION: f64 = 12.0 * 1.732_050_807_568_877_2 / PI;
 /// Peak jerk of the unit curve: 128 / pi R / T^3.
 pub const PEAK_JERK: f64 = 128.0 / PI;
 
-/// P with F(u) = u^(7/2) P(u) on u in [0, 1/2], from the highest power down, in Q57.
+/// P with F(u) = u^(7/2) P(u) on u in [0, 1/2], in powers of y = 1/2 - u from the highest down, in
+/// Q59, without signs.
 ///
 /// Near-minimax for the absolute error of F (Remez exchange with weight u^(7/2), 50 digits): the
-/// largest error is 1.21e-13 of the range.
-const SHAPE: [i64; 10] = [
-    -6_797_497_645_507_032,
-    11_209_428_717_290_636,
-    -14_099_453_406_849_970,
-    2_024_905_913_253_145,
-    -15_479_074_703_165_042,
-    -48_321_007_657_821_566,
-    -451_771_095_778_612_163,
-    3_202_798_908_428_918_277,
-    -5_219_361_393_369_625_530,
-    2_684_242_757_053_001_771,
+/// largest error is 1.21e-13 of the range. In powers of y no partial sum changes its sign, so that
+/// all of it is done without signs, where a product of two fractions costs three instructions.
+static SHAPE: [u64; 10] = [
+    27_189_990_582_028_128,
+    77_517_242_749_964_032,
+    121_756_869_389_002_856,
+    160_923_621_070_044_536,
+    233_963_121_146_805_498,
+    475_337_208_948_163_608,
+    2_408_785_211_203_954_854,
+    9_715_799_286_967_026_848,
+    9_540_357_458_150_898_706,
+    3_260_954_456_333_983_600,
 ];
 
 /// Bits behind the point in [`SHAPE`].
-const SHAPE_BITS: u32 = 57;
+const SHAPE_BITS: u32 = 59;
 
-/// 16 / (3 sqrt 3) in Q60: the reciprocal of the largest |x| (1 - x^2)^(3/2), which is at x = 1/2.
-const ACCELERATION_SHAPE: u64 = 3_550_077_552_209_447_936;
+/// 16 / (3 sqrt 3) / 4 in Q64: the reciprocal of the largest |x| (1 - x^2)^(3/2), which is at
+/// x = 1/2, over four.
+const ACCELERATION_SHAPE: u64 = 14_200_310_208_837_791_201;
 
 /// Bits by which a range in counts is raised for the product with the shape: a difference of two
 /// positions is below 2^44 counts, so 19 bits would still fit an i64.
@@ -212,11 +216,10 @@ impl Beta {
     /// The difference of position from the start at `tick`.
     #[inline]
     pub fn position(&self, tick: Tick) -> Position {
-        let elapsed = tick.since(self.start).0;
-        let position = if elapsed >= self.duration.0 {
-            self.range
-        } else {
-            self.offset(elapsed)
+        let position = match self.place(tick) {
+            Place::Before => 0,
+            Place::Inside(near) => self.offset(&near),
+            Place::After => self.range,
         };
         Position::from_counts(position)
     }
@@ -224,72 +227,98 @@ impl Beta {
     /// Everything at `tick`: nothing before the start, the whole range from the end on.
     #[inline]
     pub(crate) fn contribution(&self, tick: Tick) -> Contribution {
-        let elapsed = tick.since(self.start).0;
-        if elapsed == 0 {
-            return Contribution::default();
-        }
-        if elapsed >= self.duration.0 {
-            return Contribution::at_rest(self.range);
-        }
-        let fraction = u64::from(elapsed) * self.step;
-        // q = 4 u (1 - u) = 1 - x^2, below one but for rounding.
-        let product = multiply(fraction, fraction.wrapping_neg());
-        let q = product.checked_mul(4).unwrap_or(ALMOST_ONE);
-        // sqrt(4 w) = 2 sqrt(w).
-        let root = square_root(product).saturating_mul(2);
-        let three_halves = multiply(q, root);
-        let velocity = scale(self.peak_velocity, multiply(three_halves, q));
-        // |x| = |1 - 2 u|, and the shape's product with 16 / (3 sqrt 3) / 16 is at most 1/16.
-        let first_half = elapsed <= self.duration.0 / 2;
-        let distance = if first_half {
-            (fraction.wrapping_neg()).saturating_sub(fraction)
-        } else {
-            fraction.saturating_sub(fraction.wrapping_neg())
+        let near = match self.place(tick) {
+            Place::Before => return Contribution::default(),
+            Place::Inside(near) => near,
+            Place::After => return Contribution::at_rest(self.range),
         };
+        let u = near.fraction;
+        // With q = 1 - x^2 = 4 u (1 - u): q/4, its root's half, and from these q^(3/2) / 8.
+        let quarter = multiply(u, u.wrapping_neg());
+        let three_halves = multiply(quarter, square_root(quarter));
+        let velocity = part(self.peak_velocity, multiply(quarter, three_halves));
+        // |x| = 1 - 2 u; eight times 4 / 32 is one.
+        let distance = (u << 1).wrapping_neg();
         let shape = multiply(multiply(distance, three_halves), ACCELERATION_SHAPE);
-        let shape = shape.checked_mul(16).unwrap_or(ALMOST_ONE);
-        let acceleration = scale(self.peak_acceleration, shape);
+        let acceleration = part(self.peak_acceleration, shape);
         let backward = self.range < 0;
         Contribution {
-            position: self.offset(elapsed),
-            velocity: if backward { -velocity } else { velocity },
-            acceleration: if backward == first_half {
-                -acceleration
-            } else {
-                acceleration
-            },
+            position: self.offset(&near),
+            velocity: signed(velocity, backward),
+            acceleration: signed(acceleration, backward != near.second_half),
         }
     }
 
-    /// The position at a tick inside the move, `elapsed` in 1..duration.
-    ///
-    /// The second half is the first one seen from the end, which keeps the curve symmetric to the
-    /// last bit and the polynomial's argument at or below one half.
-    #[inline]
-    fn offset(&self, elapsed: u32) -> i64 {
-        let left = self.duration.0 - elapsed;
-        if elapsed <= left {
-            self.first_half(elapsed)
+    fn place(&self, tick: Tick) -> Place {
+        let elapsed = tick.0.wrapping_sub(self.start.0);
+        if tick <= self.start {
+            Place::Before
+        } else if elapsed >= u64::from(self.duration.0) {
+            Place::After
         } else {
-            self.range - self.first_half(left)
+            let elapsed = elapsed as u32;
+            let left = self.duration.0 - elapsed;
+            let second_half = elapsed > left;
+            let ticks = if second_half { left } else { elapsed };
+            Place::Inside(Near {
+                fraction: u64::from(ticks) * self.step,
+                second_half,
+            })
         }
     }
 
-    /// range * F(u) for u = elapsed / duration in [0, 1/2], rounded to the nearest count.
+    /// The position inside the move: range * F(u) from the nearer end, rounded to the nearest
+    /// count.
     #[inline(always)]
-    fn first_half(&self, elapsed: u32) -> i64 {
-        let fraction = u64::from(elapsed) * self.step;
+    fn offset(&self, near: &Near) -> i64 {
+        let u = near.fraction;
+        let y = (1 << 63) - u;
+        // From memory each of them is one instruction; as a constant in the code it would be four.
         // Written out: a loop would stay one in an image that is compiled to be small.
-        let [c9, c8, c7, c6, c5, c4, c3, c2, c1, c0] = SHAPE;
-        let high = scale(scale(scale(c9, fraction) + c8, fraction) + c7, fraction) + c6;
-        let middle = scale(scale(scale(high, fraction) + c5, fraction) + c4, fraction) + c3;
-        let polynomial = scale(scale(scale(middle, fraction) + c2, fraction) + c1, fraction) + c0;
-        let cube = multiply(multiply(fraction, fraction), fraction);
-        let power = multiply(cube, square_root(fraction));
-        // P is positive and F at most 1/2: Q57 times Q64 >> 64 is Q57, and 7 bits more are Q64.
-        let shape = multiply(polynomial.unsigned_abs(), power) << (64 - SHAPE_BITS);
+        let [c9, c8, c7, c6, c5, c4, c3, c2, c1, c0] = *black_box(&SHAPE);
+        let high = c6 - multiply(c7 - multiply(c8 - multiply(c9, y), y), y);
+        let middle = c3 - multiply(c4 - multiply(c5 - multiply(high, y), y), y);
+        let polynomial = c0 + multiply(c1 + multiply(c2 + multiply(middle, y), y), y);
+        let power = multiply(multiply(multiply(u, u), u), square_root(u));
+        // F is at most 1/2: Q59 times Q64 >> 64 is Q59, and 5 bits more are Q64.
+        let shape = multiply(polynomial, power) << (64 - SHAPE_BITS);
         let magnitude = multiply(self.range.unsigned_abs() << RANGE_BITS, shape);
         let rounded = ((magnitude + (1 << (RANGE_BITS - 1))) >> RANGE_BITS) as i64;
-        if self.range < 0 { -rounded } else { rounded }
+        let moved = signed(rounded, self.range < 0);
+        if near.second_half {
+            self.range - moved
+        } else {
+            moved
+        }
     }
+}
+
+/// Where a tick lies.
+enum Place {
+    Before,
+    Inside(Near),
+    After,
+}
+
+/// How far a tick is from the nearer end of a move.
+///
+/// The second half is the first one seen from the end, which keeps the curve symmetric to the last
+/// bit and the polynomial's argument at or below one half.
+struct Near {
+    /// Of the duration, at most one half.
+    fraction: u64,
+    second_half: bool,
+}
+
+/// A peak without its sign times a shape, of which a 32nd is given: it is at most one.
+#[inline(always)]
+fn part(peak: i64, shape: u64) -> i64 {
+    // The root may be an ulp too large: the peak is not passed.
+    let shape = shape.min(1 << (64 - 5));
+    multiply((peak as u64) << 1, shape << 4) as i64
+}
+
+#[inline(always)]
+fn signed(magnitude: i64, negative: bool) -> i64 {
+    if negative { -magnitude } else { magnitude }
 }

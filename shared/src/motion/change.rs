@@ -156,6 +156,23 @@ impl<F: Number> Change<F> {
 }
 
 impl Change<f64> {
+    /// To rest with this deceleration from the first instant to the last, whatever the jerk.
+    pub(crate) fn braking(velocity: f64, deceleration: f64) -> Self {
+        let speed = velocity.abs();
+        Self {
+            sign: 1.0f64.copysign(velocity),
+            to: 0.0,
+            velocity: speed,
+            acceleration: -deceleration,
+            peak: deceleration,
+            after_ramp: speed,
+            after_hold: 0.0,
+            ramp: 0.0,
+            hold: speed / deceleration,
+            release: 0.0,
+        }
+    }
+
     /// The same seen from the other side.
     pub(crate) fn mirrored(self) -> Self {
         Self {

@@ -11,7 +11,7 @@
 use super::Contribution;
 use super::fixed::{multiply, reciprocal, scale};
 use crate::limits::Limits;
-use crate::time::{TICKS_PER_SECOND, Tick, Ticks};
+use crate::time::{LONGEST_MOVE, TICKS_PER_SECOND, Tick, Ticks};
 use crate::units::{COUNTS_PER_TURN, Position};
 
 /// Bits behind the point of the position's coefficients.
@@ -102,18 +102,15 @@ impl Moment {
 }
 
 /// One polynomial piece, over the ticks from its start to just before the next piece.
+///
+/// An axis has room for two dozen of them, so they are kept small.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Phase {
     /// The first tick that it covers.
     first: Tick,
-    /// The first tick that it no longer covers.
-    end: Tick,
     /// From its start to `first`, in 2^-32 of a tick.
     ahead: u32,
-    /// Bits by which the elapsed time is raised, as the duration was for its reciprocal.
-    shift: u8,
-    departs: bool,
-    steps: bool,
+    extent: Extent,
     /// 2^127 over the duration raised to the top of 64 bits.
     reciprocal: u64,
     /// Where it begins, raised by [`COEFFICIENT_BITS`].
@@ -124,6 +121,48 @@ pub(crate) struct Phase {
     velocity: [i64; 3],
     /// Counts per second squared.
     acceleration: [i64; 2],
+}
+
+/// What of a phase is small, in one word.
+///
+/// From the top: the ticks that it covers (24 bits, [`LONGEST_MOVE`] has 22); the bits by which the
+/// elapsed time is raised, as the duration was for its reciprocal (6 bits); whether the phase is
+/// the first of a move that leaves from rest; whether its acceleration steps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Extent(u32);
+
+impl Extent {
+    const TICKS_AT: u32 = 8;
+    const SHIFT_AT: u32 = 2;
+    const DEPARTS: u32 = 1 << 1;
+    const STEPS: u32 = 1;
+
+    /// `None` for more ticks than any move has.
+    fn new(ticks: Ticks, shift: u32) -> Option<Self> {
+        let fits = ticks <= LONGEST_MOVE && shift < u64::BITS;
+        fits.then_some(Self(ticks.0 << Self::TICKS_AT | shift << Self::SHIFT_AT))
+    }
+
+    fn ticks(self) -> Ticks {
+        Ticks(self.0 >> Self::TICKS_AT)
+    }
+
+    fn shift(self) -> u32 {
+        self.0 >> Self::SHIFT_AT & (u64::BITS - 1)
+    }
+
+    fn shorten(&mut self, ticks: Ticks) {
+        let ticks = self.ticks().min(ticks);
+        self.0 = ticks.0 << Self::TICKS_AT | self.0 & ((1 << Self::TICKS_AT) - 1);
+    }
+
+    fn mark(&mut self, flag: u32) {
+        self.0 |= flag;
+    }
+
+    fn has(self, flag: u32) -> bool {
+        self.0 & flag != 0
+    }
 }
 
 /// Velocity and acceleration where a piece begins or ends.
@@ -223,13 +262,12 @@ impl Phase {
             .chain(&velocity)
             .chain(&acceleration)
             .all(fits);
+        let first = span.from.tick(span.start);
+        let extent = Extent::new(span.to.tick(span.start).since(first), shift)?;
         fit.then_some(Self {
-            first: span.from.tick(span.start),
-            end: span.to.tick(span.start),
+            first,
             ahead: span.from.to_tick(),
-            shift: shift as u8,
-            departs: false,
-            steps: false,
+            extent,
             reciprocal: reciprocal(raised),
             from,
             position,
@@ -245,17 +283,22 @@ impl Phase {
 
     /// The first tick that the phase no longer covers.
     pub(crate) fn end(&self) -> Tick {
-        self.end
+        self.first.after(self.extent.ticks())
+    }
+
+    /// Whether `tick` is behind it.
+    pub(crate) fn is_over(&self, tick: Tick) -> bool {
+        tick.0.saturating_sub(self.first.0) >= u64::from(self.extent.ticks().0)
     }
 
     /// Whether it covers a tick at all: one that lies between two ticks is never looked at.
     pub(crate) fn is_seen(&self) -> bool {
-        self.first < self.end
+        self.extent.ticks() > Ticks(0)
     }
 
     /// Leaves the ticks from `end` on to another phase.
     pub(crate) fn cut(&mut self, end: Tick) {
-        self.end = self.end.min(end);
+        self.extent.shorten(end.since(self.first));
     }
 
     /// Moves its exit to the place `to`, raised by [`COEFFICIENT_BITS`]: takes up the rounding of
@@ -275,22 +318,22 @@ impl Phase {
     /// Marks the first phase of a move that leaves from rest, and that can be dropped as long as
     /// it has not begun.
     pub(crate) fn depart(&mut self) {
-        self.departs = true;
+        self.extent.mark(Extent::DEPARTS);
     }
 
     /// Whether the phase is the first of a move that leaves from rest.
     pub(crate) fn departs(&self) -> bool {
-        self.departs
+        self.extent.has(Extent::DEPARTS)
     }
 
     /// Marks a phase of a trapezoid, whose acceleration steps.
     pub(crate) fn step(&mut self) {
-        self.steps = true;
+        self.extent.mark(Extent::STEPS);
     }
 
     /// Whether the acceleration steps, as only a trapezoid's does.
     pub(crate) fn steps(&self) -> bool {
-        self.steps
+        self.extent.has(Extent::STEPS)
     }
 
     /// The position where the phase begins, in counts.
@@ -344,7 +387,7 @@ impl Phase {
         let ticks = tick.0.saturating_sub(self.first.0);
         let elapsed = (ticks << TIME_BITS).wrapping_add(u64::from(self.ahead));
         // The reciprocal is rounded down, so the product is below one half.
-        let u = multiply(elapsed << self.shift, self.reciprocal) << 1;
+        let u = multiply(elapsed << self.extent.shift(), self.reciprocal) << 1;
         let [d1, d2, d3] = self.position;
         let [v0, v1, v2] = self.velocity;
         let [a0, a1] = self.acceleration;
@@ -360,7 +403,7 @@ impl Phase {
 impl Phase {
     /// Whether the ticks from `now` on keep `limits`; `false` where that is not plain.
     pub(crate) fn keeps(&self, now: Tick, limits: &Limits) -> bool {
-        if self.end <= now {
+        if self.end() <= now {
             return true;
         }
         let from = self.contribution(now.max(self.first));
@@ -377,7 +420,7 @@ impl Phase {
             acceleration.abs() > limit.counts()
         };
         // No place is farther from where it begins than this.
-        let way = fastest as f64 * self.end.since(now).seconds();
+        let way = fastest as f64 * self.end().since(now).seconds();
         let farthest =
             |sign: f64| Position::from_counts(from.position.saturating_add((sign * way) as i64));
         let between = limits.allow(Position::from_counts(from.position))
@@ -386,7 +429,7 @@ impl Phase {
         fastest <= limits.velocity().counts()
             && !strong(from.acceleration)
             && !strong(to.acceleration)
-            && (self.steps || self.jerk() * ALMOST <= limits.jerk().counts() as f64)
+            && (self.steps() || self.jerk() * ALMOST <= limits.jerk().counts() as f64)
             && (between && straight || limits.allow(farthest(1.0)) && limits.allow(farthest(-1.0)))
     }
 
@@ -402,7 +445,7 @@ impl Phase {
         let within = |change: i64, limit: i64| change.abs() <= limit / TICKS_PER_SECOND as i64;
         let strongest = limits.slower_acceleration().counts();
         within(entry.0.saturating_sub(exit.velocity), strongest)
-            && (self.steps
+            && (self.steps()
                 || within(
                     entry.1.saturating_sub(exit.acceleration),
                     limits.jerk().counts(),
@@ -435,7 +478,7 @@ impl Phase {
     fn jerk(&self) -> f64 {
         let [_, ramp] = self.acceleration;
         // reciprocal = 2^127 / (duration 2^shift)
-        let shifted = (1u64 << self.shift.min(63)) as f64 / (1u128 << 127) as f64;
+        let shifted = (1u64 << self.extent.shift()) as f64 / (1u128 << 127) as f64;
         (ramp as f64 * self.reciprocal as f64 * shifted * PARTS_PER_SECOND).abs()
     }
 }

@@ -201,8 +201,16 @@ impl Commanded {
         chain.lay_segments(&curve, to)
     }
 
-    /// Lays a chain to rest as quickly as the limits allow, with a multiple of the jerk limit.
+    /// Lays a chain to rest as quickly as the limits allow, with a multiple of the jerk limit; with
+    /// an infinite one the acceleration steps.
     pub(crate) fn stop(&self, chain: &mut Chain, limits: &Limits, times: f64) -> Option<()> {
+        if times == f64::INFINITY {
+            let velocity = turns(self.state.velocity.counts());
+            let braking = Change::braking(velocity, turns(limits.deceleration().counts()));
+            chain.lay(braking.pieces(0.0), None)?;
+            chain.step();
+            return Some(());
+        }
         let own = bounds(limits)?;
         let jerk = own.jerk() * times;
         let harder = Bounds::new(own.velocity(), own.acceleration(), own.deceleration(), jerk);

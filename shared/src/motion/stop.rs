@@ -1,6 +1,8 @@
-//! The controlled stop: from any state to rest, quickly and inside the limits; no target counts.
+//! From any state to rest, quickly and inside the limits; no target counts.
 //!
-//! It is the quickest change of velocity to zero with limited jerk, see `change`.
+//! The controlled stop is the quickest change of velocity to zero with limited jerk, see `change`.
+//! The quick stop has the deceleration limit from its first tick to its last, whatever the jerk: a
+//! velocity v is gone after v / d, and v^2 / (2 d) farther on.
 
 use super::Motion;
 use super::chain::Chain;
@@ -20,23 +22,39 @@ impl Motion {
     /// help, the motion under way, which was checked to stay inside, runs on to its end. From
     /// outside the travel every stop counts that does not lead farther out.
     pub fn stop(&mut self, now: Tick, limits: &Limits) -> Tick {
+        self.rest_soon(now, limits, false)
+    }
+
+    /// Comes to rest as quickly as the deceleration limit allows, whatever the jerk; the rest as
+    /// [`Self::stop`].
+    ///
+    /// Whatever is under way needs at least as much room to come to rest, so a quick stop does not
+    /// leave the travel.
+    pub fn quick_stop(&mut self, now: Tick, limits: &Limits) -> Tick {
+        self.rest_soon(now, limits, true)
+    }
+
+    #[inline(never)]
+    fn rest_soon(&mut self, now: Tick, limits: &Limits, quick: bool) -> Tick {
         self.drop_pending(now);
         self.fold(now);
         let Some(end) = self.end().filter(|end| now < *end) else {
             return now;
         };
         let commanded = self.commanded(now);
-        for times in [1.0].into_iter().chain(HARDER) {
+        let first = if quick { f64::INFINITY } else { 1.0 };
+        for times in [first].into_iter().chain(HARDER) {
             let mut chain = Chain::new(now, commanded.state.position.counts());
             let laid = commanded.stop(&mut chain, limits, times).is_some();
             if !laid || !chain.stays(limits) {
                 continue;
             }
-            if chain.end < end {
+            // Of two that end with the same tick the quick stop is shorter.
+            if chain.end < end || quick && chain.end == end {
                 self.take_over(now, &chain);
                 return chain.end;
             }
-            if times == 1.0 {
+            if times == first {
                 break;
             }
         }

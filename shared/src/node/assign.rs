@@ -18,6 +18,7 @@ pub(super) struct Assignment {
 }
 
 impl<D: Drive, const AXES: usize> Node<D, AXES> {
+    #[inline(never)]
     pub(super) fn assign(&mut self, part: AssignPart) {
         let named = core::mem::take(&mut self.assignment.named);
         let chip = &self.identity.chip;

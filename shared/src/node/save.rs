@@ -21,6 +21,7 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
 
     /// What is to be saved now, all axes as they are at this instant. Once it is written, or is not,
     /// the owner says so with [`Self::saved`]; until then nobody is answered.
+    #[inline(never)]
     pub fn take_save(&mut self) -> Option<Image<AXES>> {
         self.refuse_saves_while_driving();
         if !self.has_save() {
@@ -39,6 +40,7 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
     }
 
     /// Takes what came of a save, and answers all who asked before it was taken.
+    #[inline(never)]
     pub fn saved(&mut self, image: &Image<AXES>, kept: bool) {
         // By their places: an axis may have got another id meanwhile.
         for (slot, stored) in self.slots.iter_mut().zip(image) {
@@ -48,6 +50,7 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
 
     /// A save is for a node that stands without torque: whatever it does to the processor's time
     /// then holds nobody up.
+    #[inline(never)]
     pub(super) fn refuse_saves_while_driving(&mut self) {
         let mut states = self.slots.iter().map(|slot| slot.axis.state());
         if let Some(state) = states.find(|state| state.drives()) {

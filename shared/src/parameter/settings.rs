@@ -8,8 +8,10 @@ use crate::time::Ticks;
 use crate::units::{COUNTS_PER_RADIAN, Position, Velocity};
 use num_enum::{IntoPrimitive, TryFromPrimitive};
 
-/// How an axis comes to rest when something has gone wrong.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, IntoPrimitive, TryFromPrimitive)]
+/// How an axis comes to rest when something has gone wrong; the harder the greater.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, IntoPrimitive, TryFromPrimitive,
+)]
 #[repr(u8)]
 pub enum Reaction {
     /// As quickly as the limits allow, jerk among them.
@@ -68,45 +70,31 @@ impl Settings {
 
     /// What `values` mean, where `changed` is the one that may contradict the others.
     pub(super) fn of(values: &Values, changed: Parameter) -> Result<Self, ParameterError> {
-        let number = |parameter: Parameter| parameter.in_unit(values.get(parameter));
-        let contradicts = |other| ParameterError::Contradiction {
-            parameter: changed,
-            other,
-        };
-        let limits = Limits::new(&LimitValues {
-            velocity: number(Parameter::VelocityLimit),
-            acceleration: number(Parameter::AccelerationLimit),
-            deceleration: number(Parameter::DecelerationLimit),
-            jerk: number(Parameter::JerkLimit),
-            position_minimum: number(Parameter::PositionMinimum),
-            position_maximum: number(Parameter::PositionMaximum),
-        })
-        // Each is in its range, so only the travel's ends can be the wrong way round.
-        .map_err(|_| {
-            contradicts(match changed {
-                Parameter::PositionMinimum => Parameter::PositionMaximum,
-                _ => Parameter::PositionMinimum,
-            })
-        })?;
-        let kind = match values.get(Parameter::ShaperKind) {
-            1 => Some(ShaperKind::Zv),
-            2 => Some(ShaperKind::Zvd),
-            3 => Some(ShaperKind::Ei),
-            _ => None,
-        };
-        let shaping = kind
-            .map(|kind| {
-                let frequency = number(Parameter::ShaperFrequency);
-                Shaping::new(kind, frequency, number(Parameter::ShaperDamping))
-            })
-            .transpose()
-            // A frequency so low that the kind needs a longer memory than there is.
-            .map_err(|_| {
-                contradicts(match changed {
-                    Parameter::ShaperKind => Parameter::ShaperFrequency,
-                    _ => Parameter::ShaperKind,
-                })
-            })?;
+        let limits = limits_of(values, changed)?;
+        let shaping = shaping_of(values, changed)?;
+        Ok(Self::assemble(values, limits, shaping))
+    }
+
+    /// The same where these settings are what the values meant before `changed` was: without an f64
+    /// unit each number takes hundreds of instructions, and most have not changed.
+    pub(super) fn after(
+        &self,
+        values: &Values,
+        changed: Parameter,
+    ) -> Result<Self, ParameterError> {
+        let (mut limits, mut shaping) = (self.limits, self.shaping);
+        match changed {
+            Parameter::VelocityLimit
+            | Parameter::AccelerationLimit
+            | Parameter::DecelerationLimit
+            | Parameter::JerkLimit
+            | Parameter::PositionMinimum
+            | Parameter::PositionMaximum => limits = limits_of(values, changed)?,
+            Parameter::ShaperKind | Parameter::ShaperFrequency | Parameter::ShaperDamping => {
+                shaping = shaping_of(values, changed)?;
+            }
+            _ => {}
+        }
         Ok(Self::assemble(values, limits, shaping))
     }
 
@@ -140,4 +128,48 @@ impl Settings {
             heartbeat_period: ticks(Parameter::HeartbeatPeriod),
         }
     }
+}
+
+fn in_unit(values: &Values, parameter: Parameter) -> f64 {
+    parameter.in_unit(values.get(parameter))
+}
+
+fn limits_of(values: &Values, changed: Parameter) -> Result<Limits, ParameterError> {
+    let number = |parameter| in_unit(values, parameter);
+    Limits::new(&LimitValues {
+        velocity: number(Parameter::VelocityLimit),
+        acceleration: number(Parameter::AccelerationLimit),
+        deceleration: number(Parameter::DecelerationLimit),
+        jerk: number(Parameter::JerkLimit),
+        position_minimum: number(Parameter::PositionMinimum),
+        position_maximum: number(Parameter::PositionMaximum),
+    })
+    // Each is in its range, so only the travel's ends can be the wrong way round.
+    .map_err(|_| ParameterError::Contradiction {
+        parameter: changed,
+        other: match changed {
+            Parameter::PositionMinimum => Parameter::PositionMaximum,
+            _ => Parameter::PositionMinimum,
+        },
+    })
+}
+
+fn shaping_of(values: &Values, changed: Parameter) -> Result<Option<Shaping>, ParameterError> {
+    let kind = match values.get(Parameter::ShaperKind) {
+        1 => ShaperKind::Zv,
+        2 => ShaperKind::Zvd,
+        3 => ShaperKind::Ei,
+        _ => return Ok(None),
+    };
+    let frequency = in_unit(values, Parameter::ShaperFrequency);
+    Shaping::new(kind, frequency, in_unit(values, Parameter::ShaperDamping))
+        .map(Some)
+        // A frequency so low that the kind needs a longer memory than there is.
+        .map_err(|_| ParameterError::Contradiction {
+            parameter: changed,
+            other: match changed {
+                Parameter::ShaperKind => Parameter::ShaperFrequency,
+                _ => Parameter::ShaperKind,
+            },
+        })
 }

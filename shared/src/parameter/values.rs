@@ -78,6 +78,7 @@ pub struct Values([[u8; RAW_BYTES]; Parameter::COUNT]);
 
 impl Values {
     /// The defaults for the axis of this id.
+    #[inline(never)]
     pub fn defaults(axis: u8) -> Self {
         Self(Parameter::ALL.map(|parameter| to_bytes(parameter.default_raw(axis))))
     }
@@ -121,6 +122,7 @@ impl Values {
     }
 
     /// What the values mean.
+    #[inline(never)]
     pub fn settings(&self) -> Settings {
         Settings::of_valid(self)
     }
@@ -130,14 +132,34 @@ impl Values {
     /// # Errors
     /// A value outside its range, or one that contradicts another parameter.
     pub fn with(&self, parameter: Parameter, raw: i64) -> Result<(Self, Settings), ParameterError> {
+        let changed = self.in_range(parameter, raw)?;
+        let settings = Settings::of(&changed, parameter)?;
+        Ok((changed, settings))
+    }
+
+    /// The same for who has the settings that these values mean: it is quicker.
+    ///
+    /// # Errors
+    /// Those of [`Self::with`].
+    pub fn with_settings(
+        &self,
+        settings: &Settings,
+        parameter: Parameter,
+        raw: i64,
+    ) -> Result<(Self, Settings), ParameterError> {
+        let changed = self.in_range(parameter, raw)?;
+        let settings = settings.after(&changed, parameter)?;
+        Ok((changed, settings))
+    }
+
+    fn in_range(&self, parameter: Parameter, raw: i64) -> Result<Self, ParameterError> {
         let entry = parameter.entry();
         if !(entry.minimum..=entry.maximum).contains(&raw) {
             return Err(ParameterError::OutOfRange { parameter, raw });
         }
         let mut changed = *self;
         changed.put(parameter, raw);
-        let settings = Settings::of(&changed, parameter)?;
-        Ok((changed, settings))
+        Ok(changed)
     }
 
     /// The same values with this shaper, to the nearest steps of its parameters, or with none.
@@ -258,6 +280,29 @@ mod tests {
         assert_eq!(Parameter::BusReaction.choice("disable"), Some(2));
         assert_eq!(Parameter::BusReaction.choice("brake"), None);
         assert_eq!(Parameter::JerkLimit.choice("none"), None);
+    }
+
+    proptest! {
+        /// The quick way to the settings is no other way.
+        #[test]
+        fn settings_after_a_change_are_those_of_the_values(
+            changes in prop::collection::vec((0..Parameter::COUNT, 0.0..=1.0f64), 1..60),
+        ) {
+            let mut values = Values::defaults(1);
+            let mut settings = values.settings();
+            for (place, part) in changes {
+                let parameter = Parameter::ALL[place];
+                let entry = parameter.entry();
+                let length = (entry.maximum - entry.minimum) as f64;
+                let raw = entry.minimum + (length * part * part * part) as i64;
+                let quick = values.with_settings(&settings, parameter, raw);
+                prop_assert_eq!(quick, values.with(parameter, raw));
+                if let Ok(changed) = quick {
+                    (values, settings) = changed;
+                }
+                prop_assert_eq!(values.settings(), settings);
+            }
+        }
     }
 
     fn limits() -> impl Strategy<Value = LimitValues> {

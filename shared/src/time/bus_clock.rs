@@ -47,9 +47,6 @@ const KNOWN_DRIFT: u32 = 20_000;
 /// Points of the history from which on the rate counts as known.
 const KNOWN_POINTS: usize = 8;
 
-/// Points of the history from which on its rate is worth keeping when it is begun anew.
-const RATE_POINTS: usize = 4;
-
 /// Up to this, in microseconds, a step at rest leaves out no tick and runs none twice, it only
 /// moves the next one: half a tick.
 const SMALL_STEP: i64 = 500;
@@ -62,6 +59,9 @@ const DOUBTS: u8 = 8;
 
 /// The longest time that rates are reckoned over, in microseconds, so that products fit: 12 days.
 const LONGEST: i64 = 1 << 40;
+
+/// The largest error that is told, in microseconds, so that it fits: 18 minutes.
+const FARTHEST: i64 = 1 << 30;
 
 /// One microsecond, as the clock reckons inside: in units of 2^-32.
 const FINE: u32 = 32;
@@ -160,11 +160,16 @@ impl BusClock {
     fn correction(&self, elapsed: i64) -> i64 {
         let bounded = elapsed.clamp(-LONGEST, LONGEST);
         // Below 2^40 * 2^22 and 2^28 * 2^20.
-        bounded * self.rate + bounded.clamp(0, self.slew_time) * self.slew + self.fraction
+        let slewing = if bounded >= self.slew_time {
+            self.slew_time
+        } else {
+            bounded.max(0)
+        };
+        bounded * self.rate + slewing * self.slew + self.fraction
     }
 
-    /// How far a SYNC is ahead of where the clock is or slowly goes to, in 2^-32 us; the nearest
-    /// that can be told where it is farther than [`STEP`].
+    /// How far a SYNC is ahead of where the clock is or slowly goes to, in 2^-32 us, by at most
+    /// [`FARTHEST`].
     fn error(&self, sample: Sample) -> i64 {
         let elapsed = sample.received.0.wrapping_sub(self.local.0) as i64;
         let bounded = elapsed.clamp(-LONGEST, LONGEST);
@@ -173,7 +178,7 @@ impl BusClock {
             .saturating_sub(elapsed)
             .saturating_sub(gained >> FINE);
         // What the shift cut off is subtracted here.
-        (error.clamp(-2 * STEP, 2 * STEP) << FINE) - (gained & ((1 << FINE) - 1))
+        (error.clamp(-FARTHEST, FARTHEST) << FINE) - (gained & ((1 << FINE) - 1))
     }
 
     /// Takes the SYNC of number `counter` that was sent at `sent` and arrived at `received`;
@@ -262,12 +267,8 @@ impl BusClock {
         self.doubts = 0;
         if error.abs() > bound.min(FITTING << FINE) {
             // The clock was set by a SYNC that came late, has run alone, or the host's clock has
-            // moved. A rate that did not last for some windows is as wrong.
-            if self.history.len() < RATE_POINTS {
-                self.history.clear();
-            } else {
-                self.history.begin(self.rate);
-            }
+            // moved.
+            self.history.begin(self.rate);
         }
         self.history.add(best, self.rate);
         match self.history.line() {

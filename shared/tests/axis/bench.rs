@@ -4,11 +4,12 @@ use super::planner::Planner;
 use canter_shared::axis::state::State;
 use canter_shared::axis::{Axis, Outcome};
 use canter_shared::drive::simulated::Simulated;
-use canter_shared::drive::{Condition, Drive, DriveCommand};
+use canter_shared::drive::{Condition, Drive, DriveCommand, DriveReport};
 use canter_shared::limits::{DEFAULT_VALUES, LimitValues, Limits};
 use canter_shared::motion::Setpoint;
+use canter_shared::parameter::Parameter;
 use canter_shared::time::{BusTime, Tick, Ticks};
-use canter_shared::units::{COUNTS_PER_TURN, Position};
+use canter_shared::units::{COUNTS_PER_TURN, Position, Velocity};
 use canter_shared::wire::command::{Action, Command, ProfileKind, Session};
 use canter_shared::wire::frame::Frame;
 use canter_shared::wire::id::{Address, AxisId, Function};
@@ -121,6 +122,9 @@ pub struct Bench {
     pub drive: Simulated,
     /// What the drive claims to be instead of what it is.
     pub condition: Option<Condition>,
+    /// How far the drive claims to be from where it is, and how much faster than it is.
+    pub shift: Position,
+    pub rush: Velocity,
     /// Whether the drive says anything.
     pub heard: bool,
     /// Whether the host sends its heartbeat.
@@ -142,6 +146,8 @@ impl Bench {
             planner: Planner::default(),
             drive: Simulated::new(turns(position)),
             condition: None,
+            shift: Position::ZERO,
+            rush: Velocity::ZERO,
             heard: true,
             beats: true,
             tick: 0,
@@ -179,16 +185,15 @@ impl Bench {
     /// One tick, whose setpoint must keep the promise.
     pub fn step(&mut self) {
         self.tick += 1;
+        let told = self.report();
         if self.heard {
-            let mut report = self.drive.report();
-            report.condition = self.condition.unwrap_or(report.condition);
-            self.axis.handle_drive(report);
+            self.axis.handle_drive(told);
         }
         let last = self.setpoint;
         self.setpoint = self.axis.tick(Tick(self.tick), self.now());
         self.command = self.axis.drive_command();
         self.drive.command(Tick(self.tick), self.command);
-        self.check(last);
+        self.check(last, told.position);
         self.before = self.axis.state();
         self.planner.act(&mut self.axis);
         if self.beats && self.tick.is_multiple_of(50) {
@@ -199,7 +204,17 @@ impl Bench {
         self.drain();
     }
 
-    fn check(&self, last: Setpoint) {
+    /// What the drive says.
+    pub fn report(&self) -> DriveReport {
+        let report = self.drive.report();
+        DriveReport {
+            condition: self.condition.unwrap_or(report.condition),
+            position: report.position + self.shift,
+            velocity: report.velocity + self.rush,
+        }
+    }
+
+    fn check(&self, last: Setpoint, place: Position) {
         let (state, now, limits) = (self.axis.state(), self.setpoint, self.axis.limits());
         let strongest = limits.acceleration().max(limits.deceleration()).radians();
         assert_eq!(self.command.enable, state.drives(), "{state}");
@@ -219,7 +234,6 @@ impl Bench {
         assert!(now.acceleration.abs().radians() <= strongest, "{now:?}");
         if matches!(self.before, State::ReadyToSwitchOn) || !self.before.drives() {
             // Not yet led: the setpoint is where the drive is.
-            let place = self.drive.report().position;
             assert!(
                 !state.drives() || !self.heard || now.position == place,
                 "{now:?}"
@@ -264,6 +278,23 @@ impl Bench {
     pub fn control(&mut self, action: Action) -> Outcome {
         let sequence = self.next();
         self.send(control(sequence, action))
+    }
+
+    /// Where the drive is, whatever it claims.
+    pub fn drive_position(&self) -> Position {
+        self.drive.report().position
+    }
+
+    /// Sets a parameter to a raw value under the next number.
+    #[track_caller]
+    pub fn set(&mut self, parameter: Parameter, raw: i64) {
+        let sequence = self.next();
+        let write = Command::ParameterWrite {
+            parameter: parameter.into(),
+            value: raw,
+            sequence,
+        };
+        assert_eq!(self.send(write), Outcome::Accepted, "{parameter:?} {raw}");
     }
 
     /// A beta move under the next number, now.

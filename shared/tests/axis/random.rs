@@ -5,13 +5,15 @@
 use super::bench::{AXIS, Bench, OTHER, SESSION, frame, turns};
 use super::planner::Planner;
 use super::random_stream::{LastKnot, StreamStep, stream};
+use super::reaction::{mend, trouble};
 use canter_shared::axis::Outcome;
+use canter_shared::axis::fault::Fault;
 use canter_shared::axis::state::State;
 use canter_shared::drive::Condition;
 use canter_shared::drive::simulated::Simulated;
 use canter_shared::limits::{LimitValues, Limits};
 use canter_shared::motion::beta::Beta;
-use canter_shared::parameter::Parameter;
+use canter_shared::parameter::{Parameter, Reaction};
 use canter_shared::time::{Tick, Ticks};
 use canter_shared::units::{Acceleration, Jerk, Position, Velocity};
 use canter_shared::wire::command::{Action, Command, ProfileKind, Session};
@@ -21,6 +23,7 @@ use canter_shared::wire::report::Report;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;
+use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
 /// How long a move is to last.
@@ -77,6 +80,13 @@ pub enum Step {
     Drive(Option<Condition>),
     Heard(bool),
     ByHand(f64),
+    /// How far the drive claims to be from where it is, in turns.
+    Shift(f64),
+    /// How much faster it claims to be than it is, in rad/s.
+    Rush(f64),
+    Trouble(Fault),
+    /// How the axis is to react from now on.
+    React(Parameter, Reaction),
 }
 
 fn profile() -> impl Strategy<Value = ProfileKind> {
@@ -170,6 +180,26 @@ fn step() -> impl Strategy<Value = Step> {
         1 => condition().prop_map(Step::Drive),
         1 => prop::bool::weighted(0.9).prop_map(Step::Heard),
         1 => (-20.0..20.0f64).prop_map(Step::ByHand),
+        1 => (-0.2..0.2f64).prop_map(Step::Shift),
+        1 => (-5.0..5.0f64).prop_map(Step::Rush),
+        1 => prop::sample::select(vec![
+            Fault::FollowingError,
+            Fault::OutsideTravel,
+            Fault::Overspeed,
+            Fault::FeedbackRange,
+            Fault::BusOff,
+            Fault::DuplicateAxis,
+        ])
+        .prop_map(Step::Trouble),
+        2 => (
+            prop::sample::select(vec![
+                Parameter::HostReaction,
+                Parameter::FollowingReaction,
+                Parameter::BusReaction,
+            ]),
+            prop::sample::select(super::reaction::REACTIONS.to_vec()),
+        )
+            .prop_map(|(parameter, reaction)| Step::React(parameter, reaction)),
     ]
 }
 
@@ -311,9 +341,8 @@ impl Run {
         match step {
             Step::Run(ticks) => self.run(ticks),
             Step::Recover => {
-                self.bench.condition = None;
+                mend(&mut self.bench);
                 self.bench.heard = true;
-                self.bench.beats = true;
                 for action in [Action::Hold, Action::Clear, Action::Enable] {
                     self.control(action, SESSION, 1);
                     self.run(3);
@@ -414,6 +443,19 @@ impl Run {
                     self.bench.drive = Simulated::new(turns(place));
                 }
             }
+            Step::Shift(turned) => self.bench.shift = turns(turned),
+            Step::Rush(faster) => {
+                self.bench.rush = Velocity::from_radians(faster).expect("in range");
+            }
+            Step::Trouble(fault) => trouble(&mut self.bench, fault),
+            Step::React(parameter, reaction) => {
+                let sequence = self.number(1);
+                self.send(Command::ParameterWrite {
+                    parameter: parameter.into(),
+                    value: u8::from(reaction).into(),
+                    sequence,
+                });
+            }
         }
     }
 }
@@ -488,18 +530,23 @@ proptest! {
     }
 }
 
-/// A test that never moves, or whose plans are never late, proves nothing.
+/// A test that never moves, whose plans are never late, or in which nothing goes wrong proves nothing.
 #[test]
 fn the_random_frames_move_the_axis_and_their_plans_are_late() {
     let mut runner = TestRunner::deterministic();
     let (mut moved, mut knots, mut outcomes) = (0, 0, Vec::new());
-    for _ in 0..400 {
+    let mut faults = BTreeSet::new();
+    for _ in 0..500 {
         let steps = prop::collection::vec(step(), 1..60);
         let case = (limits(), place(), planner(), steps).new_tree(&mut runner);
         let (limits, place, planner, steps) = case.expect("a case").current();
         let run = run(limits, place, planner, steps);
         moved += run.moved;
         knots += run.knots;
+        faults.extend(run.bench.reports.iter().filter_map(|report| match report {
+            Report::Fault { fault, .. } => Some(*fault),
+            _ => None,
+        }));
         outcomes.extend(run.bench.planner.outcomes);
     }
     let count = |wanted: fn(&Outcome) -> bool| outcomes.iter().filter(|o| wanted(o)).count();
@@ -508,6 +555,9 @@ fn the_random_frames_move_the_axis_and_their_plans_are_late() {
     let overtaken = count(|outcome| *outcome == Outcome::Ignored);
     assert!(moved > 10_000, "{moved}");
     assert!(knots > 500, "{knots}");
+    for fault in super::reaction::CHOICES {
+        assert!(faults.contains(&fault.into()), "{fault:?} of {faults:?}");
+    }
     assert!(accepted > 300, "{accepted}");
     assert!(late > 50, "{late}");
     assert!(overtaken > 50, "{overtaken}");

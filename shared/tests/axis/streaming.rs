@@ -6,6 +6,7 @@ use super::streams::{PERIOD, knot, quintic};
 use canter_shared::axis::Outcome;
 use canter_shared::axis::fault::Fault;
 use canter_shared::axis::state::State;
+use canter_shared::drive::{Condition, DriveReport};
 use canter_shared::limits::{DEFAULT_VALUES, LimitValues, Limits};
 use canter_shared::motion::shaping::{ShaperKind, Shaping};
 use canter_shared::time::Tick;
@@ -321,7 +322,12 @@ fn a_stop_ends_a_stream_under_way_wherever_it_comes() {
             let mut rests = bench.tick;
             while twin.is_moving() {
                 rests += 1;
-                twin.tick(Tick(rests), Tick(rests).time());
+                let setpoint = twin.tick(Tick(rests), Tick(rests).time());
+                twin.handle_drive(DriveReport {
+                    condition: Condition::Enabled,
+                    position: setpoint.position,
+                    velocity: setpoint.velocity,
+                });
                 let _: Option<Outcome> = twin.plan();
             }
             assert_eq!(bench.send(STOP), Outcome::Accepted);

@@ -68,7 +68,7 @@ proptest! {
         place in any_i64(),
         tick in any_u64(),
         steps in prop::collection::vec(
-            (0u8..6, any_i64(), any_u32(), any_u64(), any_u64(), any_profile(), any_limits()),
+            (0u8..7, any_i64(), any_u32(), any_u64(), any_u64(), any_profile(), any_limits()),
             1..12,
         ),
     ) {
@@ -83,6 +83,9 @@ proptest! {
             match kind {
                 0 => {
                     let _ = motion.stop(Tick(now), &limits);
+                }
+                6 => {
+                    let _ = motion.quick_stop(Tick(now), &limits);
                 }
                 1 => {
                     let _ = motion.change_limits(Tick(now), &limits);
@@ -106,7 +109,7 @@ proptest! {
     fn retargets_within_any_limits_are_survived(
         limits in any_limits(),
         steps in prop::collection::vec(
-            (0u8..6, 0.0..1.0f64, any_u32(), 0u32..40, any_u32(), any_profile(), any_limits()),
+            (0u8..7, 0.0..1.0f64, any_u32(), 0u32..40, any_u32(), any_profile(), any_limits()),
             1..12,
         ),
     ) {
@@ -123,6 +126,9 @@ proptest! {
             match kind {
                 0 => {
                     motion.stop(Tick(now), &limits);
+                }
+                6 => {
+                    motion.quick_stop(Tick(now), &limits);
                 }
                 1 => {
                     if motion.change_limits(Tick(now), &others).is_ok() {

@@ -28,6 +28,7 @@ enum What {
         later: u64,
     },
     Stop,
+    QuickStop,
     /// Velocity, acceleration, deceleration and jerk, times what they are.
     Limits([f64; 4]),
 }
@@ -46,7 +47,13 @@ fn step(profiles: &'static [Profile]) -> impl Strategy<Value = Step> {
             later,
         });
     let limits = prop::array::uniform4(0.3..1.7f64).prop_map(What::Limits);
-    let what = prop_oneof![6 => moves, 1 => Just(What::Stop), 1 => limits];
+    // A quick stop takes no notice of the jerk limit, as a trapezoid does not.
+    let stops = if profiles.contains(&Profile::Trapezoid) {
+        vec![What::Stop, What::QuickStop]
+    } else {
+        vec![What::Stop]
+    };
+    let what = prop_oneof![6 => moves, 1 => prop::sample::select(stops), 1 => limits];
     (what, 0u32..400).prop_map(|(what, ticks)| Step { what, ticks })
 }
 
@@ -87,6 +94,14 @@ fn play(limits: Limits, steps: Vec<Step>, travel_first: bool) -> Result<(), Test
                 let rest = motion.stop(Tick(now), &limits);
                 prop_assert!(motion.end().is_none_or(|end| end <= rest));
                 target = None;
+            }
+            What::QuickStop => {
+                let smooth = motion.clone().stop(Tick(now), &limits);
+                let rest = motion.quick_stop(Tick(now), &limits);
+                prop_assert!(motion.end().is_none_or(|end| end <= rest));
+                prop_assert!(rest <= smooth, "{rest:?} {smooth:?}");
+                target = None;
+                watch.steps = true;
             }
             What::Limits(by) => {
                 let others = scaled(&limits, by);

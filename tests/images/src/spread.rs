@@ -45,6 +45,16 @@ impl Spread {
         self.counts += other.counts;
     }
 
+    /// What all of them come to.
+    pub fn sum(&self) -> u32 {
+        self.sum
+    }
+
+    /// How many there are.
+    pub fn counts(&self) -> u32 {
+        self.counts
+    }
+
     /// Prints them as `NAME.least`, `NAME.mean` and `NAME.most`.
     pub fn report(&self, name: impl Display) {
         let mean = self.sum / self.counts.max(1);

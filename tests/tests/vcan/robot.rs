@@ -81,8 +81,7 @@ impl Robot {
     /// Waits for a report of `axis`, from now on.
     #[track_caller]
     pub fn wait_for(&self, what: &str, axis: AxisId, wanted: impl Fn(&Report) -> bool) {
-        let socket = CanSocket::open(self.bus).expect("the bus is up");
-        wait_for_report(&socket, what, axis, wanted);
+        wait_for(self.bus, what, axis, wanted);
     }
 
     /// Ends the node, and gives its whole trace.
@@ -91,6 +90,13 @@ impl Robot {
         self.node.finish().success();
         Trace::read(&self.trace)
     }
+}
+
+/// Waits for a report of `axis` on `bus`, from now on.
+#[track_caller]
+pub fn wait_for(bus: &str, what: &str, axis: AxisId, wanted: impl Fn(&Report) -> bool) {
+    let socket = CanSocket::open(bus).expect("the bus is up");
+    wait_for_report(&socket, what, axis, wanted);
 }
 
 #[track_caller]

@@ -1,3 +1,4 @@
+use canter_shared::axis::fault::Fault;
 use canter_shared::wire::id::Function;
 use canter_shared::wire::report::IdentityPart;
 
@@ -54,7 +55,7 @@ fn the_lowest_identifier_goes_first_once_the_bus_is_free() {
 }
 
 #[test]
-fn two_nodes_of_one_id_are_both_heard() {
+fn two_nodes_of_one_id_are_both_heard_and_latch_it() {
     let axis = AxisId::new(5).expect("in range");
     let mut host = Host::new(&Configuration {
         axes: vec![RobotAxis::new(axis); 2],
@@ -73,6 +74,20 @@ fn two_nodes_of_one_id_are_both_heard() {
     chips.sort();
     chips.dedup();
     assert_eq!(chips.len(), 2);
+    // Each hears the other, and both go on saying so: ten heartbeats a second from each.
+    host.heard.clear();
+    host.wait(1_000_000);
+    let faults: Vec<_> = host
+        .heard
+        .iter()
+        .filter_map(|(_, _, report)| match report {
+            Report::Heartbeat { fault, .. } => Some(*fault),
+            _ => None,
+        })
+        .collect();
+    assert!(faults.len() >= 18, "{}", faults.len());
+    let double = u8::from(Fault::DuplicateAxis);
+    assert!(faults.iter().all(|fault| *fault == double), "{faults:?}");
 }
 
 #[test]

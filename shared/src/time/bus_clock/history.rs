@@ -33,6 +33,9 @@ const FARTHEST: i32 = 5_600;
 const INERTIA: i64 = 83_000 * 83_000 / (1 << (2 * COARSE));
 const LEARNED_INERTIA: i64 = 1_000_000 * 1_000_000 / (1 << (2 * COARSE));
 
+/// Points that a rate can be known from.
+const RATE_POINTS: usize = 4;
+
 /// A rate has been learned if it was taken over a second, in microseconds.
 const LEARNED: u32 = 1_000_000;
 
@@ -131,12 +134,21 @@ impl History {
         *self = Self::new();
     }
 
-    /// Begins anew with what has been learned of the rate.
+    /// Begins anew with what has been learned of the rate: `rate` as known so far, if there are
+    /// points enough to know it from, else the one that this history began with. One that does not
+    /// last again and again is forgotten.
     pub(super) fn begin(&mut self, rate: i64) {
         if self.span() >= LEARNED {
             self.inertia = LEARNED_INERTIA;
         }
-        self.rate = rate;
+        if self.len() >= RATE_POINTS {
+            self.rate = rate;
+        } else {
+            self.inertia /= 2;
+        }
+        if self.inertia < INERTIA {
+            self.clear();
+        }
         self.points.clear();
         self.newest = None;
     }

@@ -10,6 +10,10 @@ use crate::time::LocalTime;
 /// The followed host may lose as many SYNCs in a row but one: 0.3 s of them.
 const LARGEST_GAP: u8 = 16;
 
+/// A SYNC of the followed host that is ahead by up to this, in microseconds, says that those before
+/// were late by as much: a host's process, or an emulated node, can be held up for a second.
+const LATEST: i64 = 1_000_000;
+
 /// Silence after which the next SYNC is followed, whosever it is, in microseconds: 25 SYNCs at the
 /// usual 50 Hz.
 const SILENCE: u64 = 500_000;
@@ -52,7 +56,7 @@ impl Source {
         match counter.wrapping_sub(self.counter) {
             // The same one twice.
             0 => false,
-            1..=LARGEST_GAP => error.abs() <= STEP,
+            1..=LARGEST_GAP => (-STEP..=LATEST).contains(&error),
             _ => error.abs() <= AGREEMENT,
         }
     }
