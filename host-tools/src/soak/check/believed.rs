@@ -15,8 +15,8 @@ use crate::soak::invariant::Invariant;
 /// A number is new when it is ahead of the last one by no more than this.
 const AHEAD: u8 = 127;
 
-/// Triggers that are remembered.
-const TRIGGERS: usize = 8;
+/// Commands that are remembered, and triggers: of what came in doubt, any may be the last.
+const REMEMBERED: usize = 8;
 
 /// Nanoseconds by which an axis's idea of silence may differ from the truth: whole ticks at both
 /// ends, and the tick that it takes to notice.
@@ -63,10 +63,10 @@ pub(super) struct Believed {
     holder: Option<Session>,
     /// The number of the holder's last command; none where doubt has made it unknown.
     number: Option<u8>,
-    /// That command, also when its number was released with the axis.
-    last_command: Option<Frame>,
-    /// The last ones; the axis remembers the one that it answered.
-    triggers: [Option<Frame>; TRIGGERS],
+    /// The last commands and triggers; of each the axis remembers the last one that it answered,
+    /// also when it has been released.
+    commands: [Option<Frame>; REMEMBERED],
+    triggers: [Option<Frame>; REMEMBERED],
     /// When the holder was last heard.
     heard: TrueTime,
     /// Times since then that the node's clock was set anew: each may round to the next tick.
@@ -88,8 +88,8 @@ impl Believed {
             host_timeout: u64::from(host_timeout.0) * TICK,
             holder: None,
             number: None,
-            last_command: None,
-            triggers: [None; TRIGGERS],
+            commands: [None; REMEMBERED],
+            triggers: [None; REMEMBERED],
             heard: TrueTime(0),
             steps: 0,
             doubt: false,
@@ -147,16 +147,25 @@ impl Believed {
         command: &Command,
         last: Option<&Glance>,
     ) -> Admission {
-        if self.last_command == Some(*frame) {
-            return Admission::Again;
-        }
-        let number = self.number;
-        let admission = self.admit(now, frame, command);
+        let admission = match self.admit(now, frame, command) {
+            // Its answer outlives the session.
+            Admission::No if self.commands.contains(&Some(*frame)) => Admission::Again,
+            admission => admission,
+        };
         if admission != Admission::Yes {
             return admission;
         }
-        if self.number != number {
-            self.last_command = Some(*frame);
+        let is_unnumbered = matches!(
+            command,
+            Command::EmergencyStop
+                | Command::Stop { .. }
+                | Command::ParameterRead { .. }
+                | Command::Trigger { .. }
+                | Command::Knot { .. }
+        );
+        if !is_unnumbered {
+            self.commands.rotate_right(1);
+            self.commands[0] = Some(*frame);
         }
         match command {
             Command::Move { staged: false, .. }
