@@ -6,6 +6,7 @@
 
 use super::Motion;
 use super::chain::Chain;
+use super::smooth::ROUNDING_MARGIN;
 use crate::limits::Limits;
 use crate::time::Tick;
 
@@ -44,12 +45,14 @@ impl Motion {
         let commanded = self.commanded(now);
         let first = if quick { f64::INFINITY } else { 1.0 };
         // A motion that brakes for the end of the travel already, and then turns back, leaves no room
-        // but for what rounding takes: the margin to the limit, which only the quick stop uses up.
-        let last = [f64::INFINITY];
-        for times in [first].into_iter().chain(HARDER).chain(last) {
+        // but for what rounding takes: the margin to the limit, which only the quick stop uses up,
+        // and where the limits are of a few counts, some counts beside the end.
+        let last = [(f64::INFINITY, 0), (f64::INFINITY, ROUNDING_MARGIN as i64)];
+        let tries = [first].into_iter().chain(HARDER).map(|times| (times, 0));
+        for (times, beside) in tries.chain(last) {
             let mut chain = Chain::new(now, commanded.state.position.counts());
             let laid = commanded.stop(&mut chain, limits, times).is_some();
-            if !laid || !chain.stays(limits) {
+            if !laid || !chain.stays_beside(limits, beside) {
                 continue;
             }
             // Of two that end with the same tick the quick stop is shorter.

@@ -73,7 +73,7 @@ pub(super) struct Believed {
     steps: u64,
     /// A release may have come too early, and the session may still hold the axis.
     doubt: bool,
-    held_in_doubt: bool,
+    numbered_in_doubt: bool,
     asked: Asked,
     /// Its holder has asked for it to be enabled.
     pub(super) enable: bool,
@@ -93,7 +93,7 @@ impl Believed {
             heard: TrueTime(0),
             steps: 0,
             doubt: false,
-            held_in_doubt: false,
+            numbered_in_doubt: false,
             asked: Asked::default(),
             enable: false,
             motion: false,
@@ -255,7 +255,7 @@ impl Believed {
             }
             Some(_) if !self.doubt => false,
             _ => {
-                self.held_in_doubt |= self.doubt;
+                self.numbered_in_doubt |= self.doubt;
                 if !self.doubt {
                     self.holder = Some(session);
                 }
@@ -267,6 +267,10 @@ impl Believed {
     }
 
     fn advance(&mut self, sequence: u8) -> Admission {
+        if self.doubt {
+            self.numbered_in_doubt = true;
+            return Admission::Yes;
+        }
         let Some(number) = self.number else {
             return Admission::Yes;
         };
@@ -275,7 +279,6 @@ impl Believed {
                 self.number = Some(sequence);
                 Admission::Yes
             }
-            _ if self.doubt => Admission::Yes,
             0 => Admission::Again,
             _ => Admission::No,
         }
@@ -290,10 +293,10 @@ impl Believed {
         }
         if self.doubt {
             self.doubt = false;
-            if self.held_in_doubt {
+            if self.numbered_in_doubt {
                 self.number = None;
             }
-            self.held_in_doubt = false;
+            self.numbered_in_doubt = false;
             self.holder = now.session;
         }
         let silence = self.silence(now.time);

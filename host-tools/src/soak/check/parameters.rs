@@ -138,7 +138,7 @@ impl Parameters {
         let changed = *values != self.values;
         match last {
             None => self.begins(values, now)?,
-            Some(last) if changed => self.changes(axis, values, last)?,
+            Some(last) if changed => self.changes(axis, values, last, now)?,
             Some(_) => {}
         }
         self.restored = false;
@@ -188,7 +188,9 @@ impl Parameters {
         ))
     }
 
-    fn changes(&self, axis: u8, values: &Values, last: &Glance) -> Verdict {
+    fn changes(&self, axis: u8, values: &Values, last: &Glance, now: &Glance) -> Verdict {
+        // Where torque was taken away meanwhile, the motion ended with it.
+        let moved = last.setpoint.velocity.counts() != 0 && now.state.drives();
         for parameter in Parameter::ALL {
             let raw = values.get(parameter);
             let default = self.restored && raw == parameter.default_raw(axis);
@@ -197,7 +199,7 @@ impl Parameters {
                 || self.written.contains(&(parameter, raw));
             let words = if !known {
                 "which nobody who may has written"
-            } else if last.setpoint.velocity.counts() != 0 {
+            } else if moved {
                 "in motion"
             } else {
                 continue;

@@ -73,9 +73,10 @@ impl Setpoints {
     fn time(&mut self, last: &Glance, now: &Glance) -> Verdict {
         let passed = now.time.0.saturating_sub(last.time.0);
         let in_turn = now.tick.0 == last.tick.0.wrapping_add(1);
-        let stays = last.setpoint.velocity.counts() == 0
-            && now.setpoint.velocity.counts() == 0
-            && (now.setpoint.position == last.setpoint.position || !now.state.drives());
+        let stands =
+            last.setpoint.velocity.counts() == 0 && last.setpoint.position == now.setpoint.position;
+        // Without torque nothing moves by the setpoints.
+        let stays = now.setpoint.velocity.counts() == 0 && (stands || !now.state.drives());
         // It may have been set before a command came that begins with this tick.
         let still = last.rests() || stays;
         self.in_motion = if still {
