@@ -19,7 +19,7 @@ use super::check::{Checker, Glance, Statistics};
 use super::fault::Faults;
 use super::invariant::{Invariant, Violation};
 use super::recording::{Input, Recording};
-use super::sabotage::{Ghost, Sabotage, raised, wear_out};
+use super::sabotage::{Ghost, Sabotage, lowered, wear_out};
 use super::scenario::Scenario;
 use crate::bus::Bus;
 use crate::robot::RobotAxis;
@@ -157,10 +157,9 @@ impl Observer for Witness {
         let mut now = Glance::of(time, tick);
         let mut values = *tick.axis.values();
         let mut limits = *tick.axis.limits();
-        if let Some(axis) = self.meant.get(tick.node)
-            && values == raised(axis)
-        {
-            (values, limits) = (axis.values, axis.limits());
+        if let Some(axis) = self.meant.get(tick.node) {
+            values = lowered(&values, axis);
+            limits = values.settings().limits;
         }
         if self.begins.take_if(|node| *node == tick.node).is_some() {
             let parameter = Parameter::HeartbeatPeriod;

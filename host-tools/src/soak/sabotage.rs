@@ -59,17 +59,33 @@ impl Sabotage {
     ];
 }
 
+/// The parameters that are raised.
+const RATES: [Parameter; 3] = [
+    Parameter::VelocityLimit,
+    Parameter::AccelerationLimit,
+    Parameter::DecelerationLimit,
+];
+
 /// The values of an axis with rates half as high again, or as high as can be.
 pub(super) fn raised(axis: &RobotAxis) -> Values {
-    let rates = [
-        Parameter::VelocityLimit,
-        Parameter::AccelerationLimit,
-        Parameter::DecelerationLimit,
-    ];
-    rates.into_iter().fold(axis.values, |values, rate| {
+    RATES.into_iter().fold(axis.values, |values, rate| {
         let most = rate.entry().maximum;
         let raw = (values.get(rate) / 2 * 3).min(most);
         values.with(rate, raw).map_or(values, |(raised, _)| raised)
+    })
+}
+
+/// The values as such an axis shows them: what is raised as it was meant to be.
+pub(super) fn lowered(values: &Values, axis: &RobotAxis) -> Values {
+    let raised = raised(axis);
+    RATES.into_iter().fold(*values, |values, rate| {
+        if values.get(rate) != raised.get(rate) {
+            return values;
+        }
+        let meant = axis.values.get(rate);
+        values
+            .with(rate, meant)
+            .map_or(values, |(lowered, _)| lowered)
     })
 }
 
