@@ -96,6 +96,16 @@ fn a_whole_robot_passes_with_all_faults_and_does_something() {
     assert!(statistics.disturbances > 10, "{statistics:?}");
 }
 
+/// A stop found no room by a fraction of a count, where a motion braked for the end of the travel
+/// before it turned back, and let it run to its end.
+#[test]
+fn seeds_that_have_found_something_pass() {
+    for seed in [460, 1_104] {
+        let found = run(seed, Options::default()).violation;
+        assert!(found.is_none(), "{:?}", found.map(|(it, _)| it.to_string()));
+    }
+}
+
 #[test]
 fn the_same_seed_is_the_same_episode() {
     let options = Options::default();

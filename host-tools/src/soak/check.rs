@@ -214,7 +214,7 @@ impl Checker {
     pub(super) fn new(seed: u64, axes: &[RobotAxis]) -> Self {
         Self {
             seed,
-            watches: axes.iter().map(|axis| Watch::new(axis)).collect(),
+            watches: axes.iter().map(Watch::new).collect(),
             statistics: Statistics::default(),
             violation: None,
         }

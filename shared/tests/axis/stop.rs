@@ -334,34 +334,3 @@ fn nothing_of_before_moves_the_axis_after_a_fault_is_cleared() {
     assert_eq!(bench.send(beta(3, 1.0, 1_000)), stale);
     bench.stays(2_000);
 }
-
-/// Found by `canter soak`: where a motion brakes for the end of the travel, and is then to turn back,
-/// a stop found no room by a fraction of a count, and let that motion run to its end.
-#[test]
-fn a_stop_does_not_wait_for_a_motion_that_turns_at_the_end_of_the_travel() {
-    let limits = Limits::new(&LimitValues {
-        velocity: 0.8,
-        acceleration: 80.0,
-        deceleration: 0.25,
-        jerk: 1e6,
-        position_minimum: -TAU / 40.0,
-        position_maximum: TAU / 40.0,
-    })
-    .expect("in range");
-    for later in 0..100 {
-        let mut bench = Bench::enabled(limits, 0.0);
-        // As quickly as it can be to the very end, and back before it is there.
-        assert!(matches!(
-            bench.go_trapezoid(1.0 / 40.0, 1),
-            Outcome::Rejected(_)
-        ));
-        let least = bench.answer().detail;
-        assert_eq!(bench.go_trapezoid(1.0 / 40.0, least), Outcome::Accepted);
-        bench.run(300 + 5 * later);
-        assert_eq!(bench.go_trapezoid(-1.0 / 50.0, 100), Outcome::Accepted);
-        bench.run(5);
-        let most = stopping_ticks(bench.velocity(), &limits);
-        assert_eq!(bench.send(Command::Stop { sequence: 9 }), Outcome::Accepted);
-        bench.ticks_to_rest(most);
-    }
-}
