@@ -20,6 +20,9 @@ const POSITION_ROUNDING: i64 = 64;
 /// rad/s, which a position rounded to counts cannot show in a tick.
 const VELOCITY_ROUNDING: i64 = 684;
 
+/// Behind a shaper a velocity is the mean of some that are kept in 26 bits, of which one is the sign.
+const SHORT_BITS: u32 = 25;
+
 /// Nanoseconds between two ticks.
 const TICK: u64 = 1_000_000;
 
@@ -73,12 +76,10 @@ impl Setpoints {
     fn time(&mut self, last: &Glance, now: &Glance) -> Verdict {
         let passed = now.time.0.saturating_sub(last.time.0);
         let in_turn = now.tick.0 == last.tick.0.wrapping_add(1);
-        let stands =
-            last.setpoint.velocity.counts() == 0 && last.setpoint.position == now.setpoint.position;
-        // Without torque nothing moves by the setpoints.
-        let stays = now.setpoint.velocity.counts() == 0 && (stands || !now.state.drives());
-        // It may have been set before a command came that begins with this tick.
-        let still = last.rests() || stays;
+        // It may have been set, and what waited for its start called off, before a command came that
+        // begins with this tick; and without torque nothing moves by the setpoints.
+        let stood = last.setpoint.velocity.counts() == 0;
+        let still = stood || !now.state.drives();
         self.in_motion = if still {
             0
         } else {
@@ -160,7 +161,8 @@ fn follows(last: &Glance, now: &Glance, limits: &Limits) -> Verdict {
     let expected = (from + to) / 2_000;
     let apart = strongest / 4_000_000 + POSITION_ROUNDING;
     let jumps = (moved - expected).abs() > apart;
-    let jerks = (to - from).abs() > strongest / 1_000 + VELOCITY_ROUNDING;
+    let rounding = VELOCITY_ROUNDING + ((from.abs() + to.abs()) >> SHORT_BITS);
+    let jerks = (to - from).abs() > strongest / 1_000 + rounding;
     if jumps || jerks {
         return Err(Finding(
             Invariant::Continuity,
