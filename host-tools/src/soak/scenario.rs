@@ -273,7 +273,7 @@ mod tests {
         }
         let axes = || robots.iter().flatten();
         assert!(axes().any(|axis| axis.values.settings().shaping.is_some()));
-        assert!(axes().any(|axis| axis.limits().position_minimum().counts() > 0));
+        assert!(axes().any(|axis| axis.limits().position_maximum().counts() < 0));
         assert!(axes().any(|axis| axis.limits().velocity().radians() < 1e-3));
     }
 }
