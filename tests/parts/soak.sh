@@ -11,7 +11,7 @@ log=$CARGO_TARGET_DIR/soak.log
 # number FIELD DOCUMENT: one number of a JSON document.
 number() { sed -n "s/.*\"$1\":\([0-9.e+-]*\).*/\1/p" <<<"$2"; }
 
-measure() { printf 'soak\t%s\t%s\t%s\n' "$@" >>"$CANTER_MEASUREMENTS"; }
+measure() { printf 'soak\t%s\t%s\t%s\n' "$1" "$(LC_ALL=C awk -v n="$2" 'BEGIN { printf "%.6g", n }')" "$3" >>"$CANTER_MEASUREMENTS"; }
 
 say "an hour and more, all faults"
 if ! document=$("$canter" --json soak --seed 1 --hours 1.2 --log "$log"); then
