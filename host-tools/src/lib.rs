@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`bus`] | SocketCAN, SLCAN: ways onto a CAN bus |
 //! | [`sim`] | a simulated robot with a bus of its own, in virtual time |
+//! | [`soak`] | random robots and faults against written invariants |
 //! | [`client`] | a commander of axes: finds, holds, moves, stops |
 //! | [`node`] | axis nodes in a host process |
 //! | [`robot`] | the robot file |
@@ -26,6 +27,7 @@ pub mod plot;
 pub mod profile;
 pub mod robot;
 pub mod sim;
+pub mod soak;
 
 /// The version of this crate: major, minor, patch.
 pub fn version() -> [u8; 3] {

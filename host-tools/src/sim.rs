@@ -41,7 +41,7 @@ mod host;
 mod medium;
 mod observer;
 mod plant;
-mod random;
+pub(crate) mod random;
 mod station;
 #[cfg(test)]
 mod tests;

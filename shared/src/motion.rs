@@ -185,7 +185,8 @@ impl Motion {
         let phases = self.phases.last().map(Phase::end);
         let betas = self.betas.iter().map(Beta::end).max();
         match self.takeover {
-            Some(_) => phases,
+            // What takes over may have nowhere to go, and until then the betas go on.
+            Some(takeover) => phases.max(Some(takeover.tick)),
             None => phases.max(betas),
         }
     }

@@ -20,13 +20,26 @@ const MICROSECONDS_PER_SECOND: u64 = 1_000_000;
 /// # Errors
 /// What `out` says.
 pub fn write(out: &mut impl Write, time: BusTime, frame: &Frame) -> io::Result<()> {
+    write_on(out, INTERFACE, time, frame)
+}
+
+/// Writes one frame of another interface as a line.
+///
+/// # Errors
+/// What `out` says.
+pub fn write_on(
+    out: &mut impl Write,
+    interface: &str,
+    time: BusTime,
+    frame: &Frame,
+) -> io::Result<()> {
     let (seconds, rest) = (
         time.0 / MICROSECONDS_PER_SECOND,
         time.0 % MICROSECONDS_PER_SECOND,
     );
     write!(
         out,
-        "({seconds:010}.{rest:06}) {INTERFACE} {:03X}#",
+        "({seconds:010}.{rest:06}) {interface} {:03X}#",
         frame.id()
     )?;
     for byte in frame.data() {

@@ -7,14 +7,14 @@
 /// Pseudorandom Number Generators, OOPSLA 2014. It is our own rather than a crate's because a
 /// crate may change its numbers between versions, and then a seed would no longer mean the same.
 #[derive(Debug, Clone)]
-pub(super) struct SplitMix64(u64);
+pub(crate) struct SplitMix64(u64);
 
 impl SplitMix64 {
-    pub(super) const fn new(seed: u64) -> Self {
+    pub(crate) const fn new(seed: u64) -> Self {
         Self(seed)
     }
 
-    pub(super) fn next(&mut self) -> u64 {
+    pub(crate) fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
@@ -23,7 +23,7 @@ impl SplitMix64 {
 
     /// From 0 to `greatest`, both included. The multiplication favours some values by one in
     /// 2^64 / `greatest`, which no simulation can see.
-    pub(super) fn up_to(&mut self, greatest: u64) -> u64 {
+    pub(crate) fn up_to(&mut self, greatest: u64) -> u64 {
         ((u128::from(self.next()) * (u128::from(greatest) + 1)) >> 64) as u64
     }
 }

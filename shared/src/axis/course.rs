@@ -91,7 +91,8 @@ impl Streamed {
         let Some(stop) = Motion::stop_from(splice, self.state, limits) else {
             return StreamStop::Brake;
         };
-        if stop.end().is_none_or(|end| self.rests <= end) {
+        // One that stands for a moment would go on by itself: then the stop is to stand there.
+        if stop.end().is_some_and(|end| self.rests <= end) {
             return StreamStop::AsItIs;
         }
         *motion = stop;

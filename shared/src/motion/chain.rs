@@ -127,9 +127,14 @@ impl Chain {
 
     /// Whether it stays inside the travel. Outside of it, the way back in belongs to it.
     pub(crate) fn stays(&self, limits: &Limits) -> bool {
+        self.stays_beside(limits, 0)
+    }
+
+    /// The same with so many counts more at both ends.
+    pub(crate) fn stays_beside(&self, limits: &Limits, counts: i64) -> bool {
         let (least, greatest) = self.reach;
         // A place inside a count is one that rounds to it.
-        let half = 1 << (COEFFICIENT_BITS - 1);
+        let half = (2 * counts + 1) << (COEFFICIENT_BITS - 1);
         let raised = |place: Position, from: fn(i64, i64) -> i64| {
             from(place.counts(), self.from).saturating_mul(1 << COEFFICIENT_BITS)
         };

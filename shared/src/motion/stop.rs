@@ -6,6 +6,7 @@
 
 use super::Motion;
 use super::chain::Chain;
+use super::smooth::ROUNDING_MARGIN;
 use crate::limits::Limits;
 use crate::time::Tick;
 
@@ -18,8 +19,8 @@ impl Motion {
     /// dropped. Gives the first tick at rest.
     ///
     /// A motion that rests as soon anyway is left alone, a stop under way above all. Where a stop
-    /// would leave the travel, it is made with more jerk than the limit; where even that does not
-    /// help, the motion under way, which was checked to stay inside, runs on to its end. From
+    /// would leave the travel, it is made with more jerk than the limit, at the last as a quick stop;
+    /// where even that does not help, the motion under way, which was checked to stay inside, runs on to its end. From
     /// outside the travel every stop counts that does not lead farther out.
     pub fn stop(&mut self, now: Tick, limits: &Limits) -> Tick {
         self.rest_soon(now, limits, false)
@@ -43,10 +44,15 @@ impl Motion {
         };
         let commanded = self.commanded(now);
         let first = if quick { f64::INFINITY } else { 1.0 };
-        for times in [first].into_iter().chain(HARDER) {
+        // A motion that brakes for the end of the travel already, and then turns back, leaves no room
+        // but for what rounding takes: the margin to the limit, which only the quick stop uses up,
+        // and where the limits are of a few counts, some counts beside the end.
+        let last = [(f64::INFINITY, 0), (f64::INFINITY, ROUNDING_MARGIN as i64)];
+        let tries = [first].into_iter().chain(HARDER).map(|times| (times, 0));
+        for (times, beside) in tries.chain(last) {
             let mut chain = Chain::new(now, commanded.state.position.counts());
             let laid = commanded.stop(&mut chain, limits, times).is_some();
-            if !laid || !chain.stays(limits) {
+            if !laid || !chain.stays_beside(limits, beside) {
                 continue;
             }
             // Of two that end with the same tick the quick stop is shorter.

@@ -449,3 +449,21 @@ fn a_shaped_stream_arrives_later_and_exactly() {
     assert_eq!(bench.place(), 1.5);
     assert_eq!(bench.axis.fault(), None);
 }
+
+/// Found by `canter soak`: a stop that came while a stream stood for a moment let it go on.
+#[test]
+fn a_stop_holds_a_stream_that_stands_for_a_moment() {
+    let mut bench = Bench::enabled(Limits::default(), 0.0);
+    assert_eq!(bench.begin(1, PERIOD, 0), Outcome::Accepted);
+    // It waits where it is for three periods, then goes.
+    for (number, place) in [(1, 0.0), (2, 0.0), (3, 0.0), (4, 0.001), (5, 0.001)] {
+        assert_eq!(bench.send(knot(number, place, 0.0)), Outcome::Accepted);
+    }
+    bench.run(10);
+    let command = Command::Stop { sequence: 0 };
+    assert_eq!(bench.send(command), Outcome::Accepted);
+    bench.run(2);
+    assert!(!bench.axis.is_moving());
+    bench.stays(300);
+    assert_eq!(bench.place(), 0.0);
+}

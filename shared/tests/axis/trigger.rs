@@ -4,8 +4,8 @@ use super::bench::{Answer, Bench, OTHER, SESSION, staged, turns};
 use canter_shared::axis::Outcome;
 use canter_shared::axis::state::State;
 use canter_shared::limits::Limits;
-use canter_shared::time::{BusTime, Tick};
-use canter_shared::wire::command::{Action, Command};
+use canter_shared::time::{BusTime, Tick, Ticks};
+use canter_shared::wire::command::{Action, Command, ProfileKind};
 use canter_shared::wire::id::Function;
 use canter_shared::wire::reason::Reason;
 use canter_shared::wire::report::Report;
@@ -217,4 +217,39 @@ fn what_cannot_be_done_is_refused_when_it_is_staged() {
     );
     is_forgotten(&mut bench, 3);
     is_forgotten(&mut bench, 4);
+}
+
+/// Found by `canter soak`: such an axis said that it rested, so its clock could be set in mid-move,
+/// and a stop was not planned.
+#[test]
+fn a_move_with_nowhere_to_go_does_not_hide_the_one_under_way() {
+    for profile in [
+        ProfileKind::Beta,
+        ProfileKind::Trapezoid,
+        ProfileKind::SCurve,
+    ] {
+        let mut bench = Bench::enabled(Limits::default(), 0.0);
+        assert_eq!(bench.go(1.0, 1_000), Outcome::Accepted);
+        bench.run(300);
+        // The same again, later: it lies over the first one, and has nowhere to go either.
+        assert_eq!(bench.go(1.0, 1_200), Outcome::Accepted);
+        bench.run(10);
+        let group = bench.next();
+        let there = Command::Move {
+            profile,
+            staged: true,
+            target: turns(1.0),
+            duration: Ticks(100),
+            sequence: group,
+        };
+        assert_eq!(bench.send(there), Outcome::Accepted);
+        assert_eq!(bench.trigger(group, 1_500), Outcome::Accepted);
+        bench.run(10);
+        assert!(bench.axis.is_moving(), "{profile:?}");
+        let command = Command::Stop { sequence: 0 };
+        assert_eq!(bench.send(command), Outcome::Accepted);
+        bench.run(300);
+        assert!(!bench.axis.is_moving(), "{profile:?}");
+        assert!(bench.place() < 0.9, "{profile:?}: {}", bench.place());
+    }
 }

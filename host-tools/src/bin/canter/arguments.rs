@@ -9,10 +9,15 @@ pub use profile::{Compare, CompareFormat, Plan, PlanFormat, ShaperArgument};
 use canter::bus::{Address, AddressError};
 use canter::client::{ChipId, ChipIdError, Goal, Target};
 use canter::notation::{AxisList, angle, parse_axes, rate, seconds};
+use canter::soak::Faults;
 use canter_shared::wire::command::ProfileKind;
 use canter_shared::wire::id::AxisId;
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
+
+/// The longest soak: ten years of robots.
+const MOST_HOURS: f64 = 87_600.0;
 
 /// Moves CAN servo axes smoothly and together.
 ///
@@ -74,6 +79,40 @@ pub enum Verb {
     Plan(Plan),
     /// Show the profiles side by side for one move: durations, peaks, vibration.
     Compare(Compare),
+    /// Prove the promise: random robots, commands, hostile traffic and faults, in virtual time.
+    Soak(Soak),
+}
+
+#[derive(Args)]
+pub struct Soak {
+    /// The first seed: each is a robot of its own, and what happens to it in 36 s.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// How many simulated hours; 100 seeds make one.
+    #[arg(long, value_name = "H", default_value_t = 1.0, value_parser = hours)]
+    pub hours: f64,
+    /// What may go wrong: all, none, or some of them by name, such as lost,reset,hostile.
+    #[arg(long, value_name = "LIST", default_value = "all")]
+    pub faults: Faults,
+    /// How many axes each robot has, 1 to 12; the seed decides without it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=12))]
+    pub axes: Option<u8>,
+    /// How many seeds at once; one for each processor without it.
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+    /// Where the log of a violation goes.
+    #[arg(long, value_name = "FILE", default_value = "bus.log")]
+    pub log: PathBuf,
+    /// Play such a log again instead.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["seed", "hours", "faults", "axes", "threads"])]
+    pub replay: Option<PathBuf>,
+}
+
+fn hours(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(hours) if hours > 0.0 && hours <= MOST_HOURS => Ok(hours),
+        _ => Err(format!("must be a number over 0 and up to {MOST_HOURS}")),
+    }
 }
 
 #[derive(Args)]

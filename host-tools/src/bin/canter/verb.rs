@@ -8,6 +8,7 @@ mod param;
 mod plan;
 mod power;
 mod scan;
+mod soak;
 mod status;
 mod stop;
 
@@ -33,6 +34,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         Verb::Move(request) => r#move::run(&context, &request),
         Verb::Plan(request) => plan::run(&context, &request),
         Verb::Compare(request) => compare::run(&context, &request),
+        Verb::Soak(request) => soak::run(&context, &request),
     }
 }
 
