@@ -29,4 +29,4 @@ document=$("$canter" --json soak --seed 1 --hours 0.1 --axes 12 --threads 1 --fa
 measure "simulated seconds in a second, 12 axes, one core, checked" "$(number speed "$document")" "100 wished for"
 
 say "tests"
-cargo test --locked --release --package canter-tests --test soak
+cargo test --locked --release --package canter-tests --test soak --test skew

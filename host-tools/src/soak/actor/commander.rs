@@ -179,6 +179,7 @@ impl Commander {
     }
 
     fn write_parameter(&mut self, place: usize, out: &mut Vec<Frame>) {
+        self.control(place, Action::Configure, out);
         let sequence = self.number(place);
         let axis = self.axes[place].sheet.id.get();
         let (parameter, value) = choice::parameter(&mut self.dice, axis);

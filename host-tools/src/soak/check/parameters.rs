@@ -19,6 +19,8 @@ pub(super) struct Parameters {
     /// What was asked for since the last tick.
     written: Vec<(Parameter, i64)>,
     restored: bool,
+    /// Whether its holder has ever said that it changes parameters, since it has its power.
+    configured: bool,
     /// What the axis has as long as nothing is saved.
     factory: Values,
     /// Whether something is saved for certain, and whether a first save may be torn.
@@ -38,6 +40,7 @@ impl Parameters {
             values: *values,
             written: Vec::new(),
             restored: false,
+            configured: false,
             factory: *values,
             is_saved: false,
             is_torn: false,
@@ -55,6 +58,7 @@ impl Parameters {
     /// The node has lost its power.
     pub(super) fn power_off(&mut self) {
         self.written.clear();
+        self.configured = false;
         self.restored = false;
         self.saving = None;
         self.saves.clear();
@@ -69,10 +73,14 @@ impl Parameters {
         match *command {
             Command::ParameterWrite {
                 parameter, value, ..
-            } => {
+            } if self.configured => {
                 let parameter = Parameter::try_from(parameter).ok();
                 self.written.extend(parameter.map(|it| (it, value)));
             }
+            Command::Control {
+                action: Action::Configure,
+                ..
+            } => self.configured = true,
             Command::Control {
                 action: Action::Restore,
                 ..
