@@ -1,7 +1,7 @@
 //! `canter param`: what is set about the axes.
 
 use crate::arguments::{Param, ParamAction, ParamSet};
-use crate::context::{Context, resolve, tell_complaints};
+use crate::context::{Context, print_all, resolve, tell_complaints};
 use anyhow::{Context as _, Result};
 use canter::bus::Bus;
 use canter::client::{Change, Client, ClientError, Reading};
@@ -94,12 +94,10 @@ fn list(context: &Context, axis: AxisId) -> Result<()> {
     if context.json {
         return Ok(());
     }
-    println!(
-        "name                 value               unit     saved               from                to"
-    );
-    for (parameter, reading) in readings {
+    let head = "name                 value               unit     saved               from                to";
+    let lines = readings.iter().map(|(parameter, reading)| {
         let entry = parameter.entry();
-        let text = |raw| parameter_text(parameter, raw);
+        let text = |raw| parameter_text(*parameter, raw);
         // Only what differs catches the eye.
         let saved = if reading.saved == reading.value {
             String::new()
@@ -114,9 +112,9 @@ fn list(context: &Context, axis: AxisId) -> Result<()> {
             text(reading.minimum),
             text(reading.maximum),
         );
-        println!("{}", line.trim_end());
-    }
-    Ok(())
+        line.trim_end().to_owned()
+    });
+    print_all(std::iter::once(head.to_owned()).chain(lines))
 }
 
 fn document(parameter: Parameter, reading: &Reading) -> Value {
