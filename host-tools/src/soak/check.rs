@@ -196,6 +196,7 @@ impl Watch {
 
     fn report(&mut self, report: &Report) -> Verdict {
         self.parameters.report(report);
+        self.believed.report(report);
         self.answers.report(report)
     }
 }

@@ -6,7 +6,8 @@
 use canter_shared::time::Ticks;
 use canter_shared::wire::command::{Action, Command, Session};
 use canter_shared::wire::frame::Frame;
-use canter_shared::wire::id::AxisId;
+use canter_shared::wire::id::{AxisId, Function};
+use canter_shared::wire::report::Report;
 
 use super::{Finding, Glance, Verdict};
 use crate::sim::TrueTime;
@@ -67,6 +68,8 @@ pub(super) struct Believed {
     /// also when it has been released.
     commands: [Option<Frame>; REMEMBERED],
     triggers: [Option<Frame>; REMEMBERED],
+    /// The last trigger that the axis has answered, however many it has passed over since.
+    answered: Option<Frame>,
     /// When the holder was last heard.
     heard: TrueTime,
     /// Times since then that the node's clock was set anew: each may round to the next tick.
@@ -90,6 +93,7 @@ impl Believed {
             number: None,
             commands: [None; REMEMBERED],
             triggers: [None; REMEMBERED],
+            answered: None,
             heard: TrueTime(0),
             steps: 0,
             doubt: false,
@@ -199,6 +203,20 @@ impl Believed {
         }
     }
 
+    /// The axis said something.
+    pub(super) fn report(&mut self, report: &Report) {
+        if let Report::Acknowledgement {
+            function: Function::Trigger,
+            sequence,
+            ..
+        } = *report
+        {
+            let is_answered = |frame: &&Frame| matches!(Command::decode(frame), Ok(Some((_, Command::Trigger { group, .. }))) if group == sequence);
+            let answered = self.triggers.iter().flatten().find(is_answered);
+            self.answered = answered.copied().or(self.answered);
+        }
+    }
+
     fn admit(&mut self, now: TrueTime, frame: &Frame, command: &Command) -> Admission {
         let is_held = self.holder.is_some() || self.doubt;
         let by = |session: Session| self.holder == Some(session) || self.doubt;
@@ -219,7 +237,11 @@ impl Believed {
                 Admission::Yes
             }
             // Its answer outlives the session.
-            Command::Trigger { .. } if self.triggers.contains(&Some(*frame)) => Admission::Again,
+            Command::Trigger { .. }
+                if self.triggers.contains(&Some(*frame)) || self.answered == Some(*frame) =>
+            {
+                Admission::Again
+            }
             Command::Knot { .. } => is_held.into(),
             Command::Control {
                 action: Action::Hold,
