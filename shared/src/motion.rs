@@ -34,6 +34,7 @@
 //! | `stream` | knots at a fixed period, and the curves between them |
 //! | `shaping` | setpoints that leave a mode of the machine at rest |
 //! | `fixed` | 64-bit fractions |
+//! | `elementary` | cube root, sine and exponential in little flash |
 
 pub mod beta;
 pub mod bezier;
@@ -41,6 +42,7 @@ pub mod bounds;
 mod chain;
 mod change;
 mod depart;
+mod elementary;
 pub mod error;
 mod fixed;
 mod overlay;

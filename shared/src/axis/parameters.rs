@@ -42,12 +42,12 @@ impl Axis {
             self.telemetry.answer_reading(answer);
             return Outcome::Rejected(Reason::UnknownParameter);
         };
-        let entry = parameter.entry();
+        let (minimum, maximum) = parameter.range();
         let value = match item {
             Item::Value => self.values.get(parameter),
             Item::Saved => self.saved.get(parameter),
-            Item::Minimum => entry.minimum,
-            Item::Maximum => entry.maximum,
+            Item::Minimum => minimum,
+            Item::Maximum => maximum,
             Item::Default => parameter.default_raw(self.id.get()),
         };
         self.telemetry.answer_reading(Report::Parameter {
@@ -62,7 +62,7 @@ impl Axis {
     pub(super) fn write_parameter(&mut self, number: u8, raw: i64) -> Result<u32, Refusal> {
         let parameter = Parameter::try_from(number)
             .map_err(|_| (Reason::UnknownParameter, u32::from(number)))?;
-        if parameter.entry().change == Change::Disabled {
+        if parameter.change() == Change::Disabled {
             self.disabled_now()?;
         }
         // First, because it is quick and the numbers are not.

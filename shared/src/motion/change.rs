@@ -183,7 +183,8 @@ impl Change<f64> {
     }
 
     /// The pieces of the change, which begins so many seconds after the start of a motion.
-    pub(crate) fn pieces(self, begins: f64) -> impl Iterator<Item = Piece> {
+    #[inline(never)]
+    pub(crate) fn pieces(self, begins: f64) -> [Piece; 3] {
         let Self { sign, to, .. } = self;
         let rates =
             |lost: f64, deceleration: f64| Rates::new(to + sign * lost, sign * deceleration);
@@ -197,7 +198,6 @@ impl Change<f64> {
             (held, after_ramp, after_hold),
             (held + self.release, after_hold, rates(0.0, 0.0)),
         ]
-        .into_iter()
         .map(|(ends, entry, exit)| Piece {
             ends: Moment::from_seconds(ends),
             entry,
