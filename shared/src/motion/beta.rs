@@ -250,6 +250,7 @@ impl Beta {
         }
     }
 
+    #[inline(always)]
     fn place(&self, tick: Tick) -> Place {
         let elapsed = tick.0.wrapping_sub(self.start.0);
         if tick <= self.start {

@@ -4,8 +4,8 @@
 //! then inside what a solver accepts, and turning it into counts is exact.
 
 use super::phase::{COEFFICIENT_BITS, FARTHEST, Moment, Phase, Rates, Span};
-use super::segments::{MOST_SEGMENTS, Segment, Segments};
-use super::trajectory::Trajectory;
+use super::s_curve::{Corner, Corners};
+use super::segments::MOST_SEGMENTS;
 use crate::limits::Limits;
 use crate::time::{LONGEST_MOVE, Tick};
 use crate::units::{COUNTS_PER_TURN, Position};
@@ -51,15 +51,15 @@ impl Chain {
         }
     }
 
-    /// Lays the phases of `segments`, in turns from where the chain starts, to rest at `to`.
+    /// Lays the phases between `corners`, in turns from where the chain starts, to rest at `to`.
     ///
     /// `None` as [`Self::lay`].
-    pub(crate) fn lay_segments(&mut self, segments: &Segments, to: i64) -> Option<()> {
-        let whole = Moment::from_seconds(segments.duration()).settled();
-        let pieces = segments.segments();
+    pub(crate) fn lay_corners(&mut self, corners: &Corners, to: i64) -> Option<()> {
+        let whole = Moment::from_seconds(corners.duration()).settled();
+        let pieces = corners.corners();
         // Each piece ends where and how the next one begins, the last one at rest.
-        let begins = |piece: &Segment| {
-            let entry = Rates::new(piece.entry.velocity, piece.entry.acceleration);
+        let begins = |piece: &Corner| {
+            let entry = Rates::new(piece.velocity, piece.acceleration);
             (Moment::from_seconds(piece.start), entry)
         };
         let mut entry = pieces.first().map(begins).unwrap_or_default().1;

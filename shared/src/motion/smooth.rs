@@ -6,7 +6,7 @@ use super::chain::{Chain, turns};
 use super::change::{Change, Strength};
 use super::s_curve::{self, SignedBounds};
 use super::slower::Way;
-use super::trajectory::{Sample, Trajectory};
+use super::trajectory::Sample;
 use crate::limits::Limits;
 use crate::time::Ticks;
 use crate::units::Position;
@@ -39,7 +39,7 @@ pub(crate) fn bounds(limits: &Limits) -> Option<Bounds> {
 /// [`crate::time::LONGEST_MOVE`].
 pub fn shortest_s_curve(range: Position, limits: &Limits) -> Option<Ticks> {
     let to = Sample::at_rest(turns(range.counts()));
-    let curve = s_curve::plan(Sample::at_rest(0.0), to, &bounds(limits)?).ok()?;
+    let curve = s_curve::plan_corners(Sample::at_rest(0.0), to, &bounds(limits)?).ok()?;
     whole_ticks(curve.duration())
 }
 
@@ -66,9 +66,9 @@ pub(crate) fn from_rest(
     if let Some(pieces) = way.lasting(duration) {
         return chain.lay(&pieces, Some(to)).ok_or(None);
     }
-    let curve = s_curve::plan(rest, Sample::at_rest(target), &bounds).map_err(|_| None)?;
+    let curve = s_curve::plan_corners(rest, Sample::at_rest(target), &bounds).map_err(|_| None)?;
     match whole_ticks(curve.duration()) {
-        Some(least) if least <= duration => chain.lay_segments(&curve, to).ok_or(None),
+        Some(least) if least <= duration => chain.lay_corners(&curve, to).ok_or(None),
         least => Err(least),
     }
 }
@@ -197,8 +197,8 @@ impl Commanded {
             )
         };
         let signed = signed.ok()?;
-        let curve = s_curve::to_rest(from, distance, &signed).ok()?;
-        chain.lay_segments(&curve, to)
+        let curve = s_curve::to_rest_corners(from, distance, &signed).ok()?;
+        chain.lay_corners(&curve, to)
     }
 
     /// Lays a chain to rest as quickly as the limits allow, with a multiple of the jerk limit; with

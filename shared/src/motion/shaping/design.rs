@@ -280,7 +280,8 @@ impl Shaping {
             (2 * late, third * other * other),
         ];
         let whole: f64 = parts.iter().map(|(_, part)| part).sum();
-        let shares = parts.into_iter().map(|(ticks, part)| (ticks, part / whole));
+        let scale = 1.0 / whole;
+        let shares = parts.into_iter().map(|(ticks, part)| (ticks, part * scale));
         shares.filter(|(_, part)| *part > 0.0).collect()
     }
 }
