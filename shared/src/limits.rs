@@ -1,6 +1,8 @@
 //! What an axis may do. A [`Limits`] can only hold values that make sense.
 
-use crate::units::{Acceleration, Jerk, POSITION_RANGE_TURNS, Position, Velocity};
+use crate::units::{
+    Acceleration, COUNTS_PER_RADIAN, Jerk, POSITION_RANGE_TURNS, Position, Velocity,
+};
 use core::f64::consts::TAU;
 use core::fmt;
 
@@ -82,6 +84,8 @@ pub const DEFAULT_VALUES: LimitValues = LimitValues {
     position_maximum: FARTHEST_POSITION,
 };
 
+/// A call for each limit takes less flash than the comparisons in each place.
+#[inline(never)]
 fn checked(
     field: &'static str,
     unit: &'static str,
@@ -101,6 +105,12 @@ fn checked(
             maximum,
         })
     }
+}
+
+/// Rounded down: a limit in counts is never above the one that was asked for.
+#[inline(never)]
+fn down(radians: f64) -> i64 {
+    libm::floor(radians * COUNTS_PER_RADIAN) as i64
 }
 
 impl Limits {
@@ -144,8 +154,6 @@ impl Limits {
             minimum,
             FARTHEST_POSITION,
         )?;
-        // Rounded down: a limit in counts is never above the one that was asked for.
-        let down = |value: f64| libm::floor(value * crate::units::COUNTS_PER_RADIAN) as i64;
         Ok(Self {
             velocity: Velocity::from_counts(down(velocity)),
             acceleration: Acceleration::from_counts(down(acceleration)),

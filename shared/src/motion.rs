@@ -34,6 +34,7 @@
 //! | `stream` | knots at a fixed period, and the curves between them |
 //! | `shaping` | setpoints that leave a mode of the machine at rest |
 //! | `fixed` | 64-bit fractions |
+//! | `elementary` | cube root, sine and exponential in little flash |
 
 pub mod beta;
 pub mod bezier;
@@ -41,6 +42,7 @@ pub mod bounds;
 mod chain;
 mod change;
 mod depart;
+mod elementary;
 pub mod error;
 mod fixed;
 mod overlay;
@@ -127,11 +129,17 @@ impl Motion {
 
     /// The setpoint at `tick`, which must not be before the last one given to a method that
     /// changes the motion.
+    #[inline(never)]
     pub fn at(&self, tick: Tick) -> Setpoint {
         let base = match self.takeover {
             Some(takeover) if tick < takeover.tick => Contribution::at_rest(takeover.rest),
-            Some(_) => return self.base(tick).setpoint(),
-            None => self.base(tick),
+            takeover => {
+                let base = self.base(tick);
+                if takeover.is_some() {
+                    return base.setpoint();
+                }
+                base
+            }
         };
         // Each move is far inside the travel, so no sum can wrap, and looking for it would cost as
         // much as a root.
@@ -146,6 +154,7 @@ impl Motion {
         sum.setpoint()
     }
 
+    #[inline(always)]
     fn base(&self, tick: Tick) -> Contribution {
         match self.phases.iter().find(|phase| !phase.is_over(tick)) {
             Some(phase) if tick < phase.first() => Contribution::at_rest(phase.entry_position()),

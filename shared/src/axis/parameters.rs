@@ -42,12 +42,12 @@ impl Axis {
             self.telemetry.answer_reading(answer);
             return Outcome::Rejected(Reason::UnknownParameter);
         };
-        let entry = parameter.entry();
+        let (minimum, maximum) = parameter.range();
         let value = match item {
             Item::Value => self.values.get(parameter),
             Item::Saved => self.saved.get(parameter),
-            Item::Minimum => entry.minimum,
-            Item::Maximum => entry.maximum,
+            Item::Minimum => minimum,
+            Item::Maximum => maximum,
             Item::Default => parameter.default_raw(self.id.get()),
         };
         self.telemetry.answer_reading(Report::Parameter {
@@ -65,7 +65,7 @@ impl Axis {
         if !self.commander.configures() {
             return Err((Reason::Locked, 0));
         }
-        if parameter.entry().change == Change::Disabled {
+        if parameter.change() == Change::Disabled {
             self.disabled_now()?;
         }
         // First, because it is quick and the numbers are not.

@@ -19,6 +19,7 @@ pub mod exact;
 pub mod general;
 
 use super::Setpoint;
+use super::elementary::cube_root;
 use super::fixed::{ALMOST_ONE, multiply, square_root};
 use crate::limits::Limits;
 use crate::time::{LONGEST_MOVE, Tick, Ticks};
@@ -149,7 +150,7 @@ impl Beta {
         let slowest = limits.slower_acceleration().counts() as f64;
         let by_velocity = PEAK_VELOCITY * magnitude / limits.velocity().counts() as f64;
         let by_acceleration = libm::sqrt(PEAK_ACCELERATION * magnitude / slowest);
-        let by_jerk = libm::cbrt(PEAK_JERK * magnitude / limits.jerk().counts() as f64);
+        let by_jerk = cube_root(PEAK_JERK * magnitude / limits.jerk().counts() as f64);
         let seconds = by_velocity.max(by_acceleration).max(by_jerk);
         let mut duration = Ticks(Ticks::from_seconds_ceil(seconds)?.0.max(1));
         // Rounding may leave a peak one count over; one tick more brings it under.
@@ -249,6 +250,7 @@ impl Beta {
         }
     }
 
+    #[inline(always)]
     fn place(&self, tick: Tick) -> Place {
         let elapsed = tick.0.wrapping_sub(self.start.0);
         if tick <= self.start {

@@ -4,8 +4,8 @@
 //! then inside what a solver accepts, and turning it into counts is exact.
 
 use super::phase::{COEFFICIENT_BITS, FARTHEST, Moment, Phase, Rates, Span};
-use super::segments::{MOST_SEGMENTS, Segment, Segments};
-use super::trajectory::Trajectory;
+use super::s_curve::{Corner, Corners};
+use super::segments::MOST_SEGMENTS;
 use crate::limits::Limits;
 use crate::time::{LONGEST_MOVE, Tick};
 use crate::units::{COUNTS_PER_TURN, Position};
@@ -51,15 +51,15 @@ impl Chain {
         }
     }
 
-    /// Lays the phases of `segments`, in turns from where the chain starts, to rest at `to`.
+    /// Lays the phases between `corners`, in turns from where the chain starts, to rest at `to`.
     ///
     /// `None` as [`Self::lay`].
-    pub(crate) fn lay_segments(&mut self, segments: &Segments, to: i64) -> Option<()> {
-        let whole = Moment::from_seconds(segments.duration()).settled();
-        let pieces = segments.segments();
+    pub(crate) fn lay_corners(&mut self, corners: &Corners, to: i64) -> Option<()> {
+        let whole = Moment::from_seconds(corners.duration()).settled();
+        let pieces = corners.corners();
         // Each piece ends where and how the next one begins, the last one at rest.
-        let begins = |piece: &Segment| {
-            let entry = Rates::new(piece.entry.velocity, piece.entry.acceleration);
+        let begins = |piece: &Corner| {
+            let entry = Rates::new(piece.velocity, piece.acceleration);
             (Moment::from_seconds(piece.start), entry)
         };
         let mut entry = pieces.first().map(begins).unwrap_or_default().1;
@@ -70,18 +70,18 @@ impl Chain {
             entry = exit;
             piece
         });
-        self.lay(pieces, Some(to))
+        let pieces: Vec<Piece, MOST_SEGMENTS> = pieces.collect();
+        self.lay(&pieces, Some(to))
     }
 
     /// Lays the phases of `pieces` to rest at `to`, or where they lead to, in counts.
     ///
     /// `None`, and the chain is of no use, where they last longer than a move may, or do not fit
     /// the arithmetic, which the travel of an axis rules out.
-    pub(crate) fn lay(
-        &mut self,
-        pieces: impl Iterator<Item = Piece>,
-        to: Option<i64>,
-    ) -> Option<()> {
+    ///
+    /// There is one of it for whatever makes pieces: it is a kibibyte of flash.
+    #[inline(never)]
+    pub(crate) fn lay(&mut self, pieces: &[Piece], to: Option<i64>) -> Option<()> {
         let far = |place: i64| place.unsigned_abs() > FARTHEST.unsigned_abs();
         if far(self.from) || to.is_some_and(far) {
             return None;
@@ -90,14 +90,12 @@ impl Chain {
         let mut place = self.from << COEFFICIENT_BITS;
         self.reach = (place, place);
         let mut begins = Moment::default();
-        let mut ended = begins;
-        let lasts = |piece: &Piece| {
-            let lasts = ended < piece.ends;
-            ended = ended.max(piece.ends);
-            lasts
-        };
-        let mut pieces = pieces.filter(lasts).peekable();
-        while let Some(piece) = pieces.next() {
+        let whole = pieces.iter().map(|piece| piece.ends).max();
+        for piece in pieces {
+            // What takes no time is left out.
+            if piece.ends <= begins {
+                continue;
+            }
             if piece.ends.ticks() > u64::from(LONGEST_MOVE.0) {
                 return None;
             }
@@ -107,7 +105,7 @@ impl Chain {
                 to: piece.ends,
             };
             let mut phase = Phase::new(span, place, piece.entry, piece.exit)?;
-            if pieces.peek().is_none() {
+            if Some(piece.ends) == whole {
                 if to.is_none() {
                     self.rest = phase.exit_position();
                 }

@@ -118,7 +118,7 @@ impl Motion {
                     // Long enough, but its ramps are too steep: one tick more says so.
                     too_fast(shortest.map(|shortest| shortest.max(Ticks(asked.duration.0 + 1))))
                 })?;
-                let laid = chain.lay(trapezoid.pieces(range.counts()), Some(rest));
+                let laid = chain.lay(&trapezoid.pieces(range.counts()), Some(rest));
                 chain.step();
                 laid
             }

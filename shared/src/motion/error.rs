@@ -78,6 +78,7 @@ impl core::error::Error for ProfileError {}
 ///
 /// # Errors
 /// [`ProfileError::Value`] with the field's name; a NaN is in no range.
+#[inline(never)]
 pub fn checked(
     field: &'static str,
     value: f64,

@@ -92,6 +92,7 @@ impl Curve {
         }
     }
 
+    #[inline(always)]
     fn at(&self, time: f32) -> Rates {
         let elapsed = time - self.start;
         let left = self.duration - elapsed;
@@ -168,6 +169,7 @@ struct Bounds {
 }
 
 impl Bounds {
+    #[inline(always)]
     fn include(&mut self, value: Rates) {
         for ((least, greatest), value) in self.least.iter_mut().zip(&mut self.greatest).zip(value) {
             if value < *least {
@@ -179,6 +181,7 @@ impl Bounds {
         }
     }
 
+    #[inline(always)]
     fn plus(&self, other: &Self) -> Self {
         let sum = |[a, b, c]: Rates, [d, e, f]: Rates| [a + d, b + e, c + f];
         Self {
@@ -187,6 +190,7 @@ impl Bounds {
         }
     }
 
+    #[inline(always)]
     fn allowed(&self) -> bool {
         let ([v, a, j], [more_v, more_a, more_j]) = (self.least, self.greatest);
         let inside = |least: f32, greatest: f32| least >= -ALLOWED && greatest <= ALLOWED;
@@ -235,6 +239,7 @@ struct UnderWay {
 }
 
 impl UnderWay {
+    #[inline(never)]
     fn new(betas: &[Beta], start: Tick, scale: &Scale) -> Self {
         let end = betas.iter().map(Beta::end).fold(start, Tick::max);
         let width = end.since(start).0 as f32 / WINDOWS as f32;
@@ -262,6 +267,7 @@ impl UnderWay {
     ///
     /// Once the added move has ended, what is left is what was under way, and was proven when that
     /// was taken on; but its place is a new one.
+    #[inline(never)]
     fn keeps(&self, added: &Curve, room: Room, scale: &Scale) -> bool {
         let seconds = self.width / TICKS_PER_SECOND as f32;
         // How far a window leads at the velocity limit.
@@ -285,6 +291,7 @@ impl UnderWay {
 }
 
 /// The edges of a window.
+#[inline(always)]
 fn edges(index: usize, width: f32) -> (f32, f32) {
     (index as f32 * width, (index + 1) as f32 * width)
 }

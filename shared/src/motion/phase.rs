@@ -60,6 +60,7 @@ pub(crate) struct Moment(u64);
 
 impl Moment {
     /// The nearest to `seconds`, which is not negative.
+    #[inline(never)]
     pub(crate) fn from_seconds(seconds: f64) -> Self {
         let (mantissa, exponent) = parts(seconds);
         // 53 bits and the ten of a thousand fit.
@@ -176,6 +177,7 @@ pub(crate) struct Rates {
 
 impl Rates {
     /// From turns/s and turns/s^2.
+    #[inline(never)]
     pub(crate) fn new(velocity: f64, acceleration: f64) -> Self {
         Self {
             velocity: fixed(velocity, TURN_BITS + VELOCITY_BITS as i32),
@@ -522,6 +524,7 @@ fn shifted(value: u64, exponent: i32) -> u64 {
 }
 
 /// `value` times 2^`bits`, rounded to the nearest; saturates.
+#[inline(never)]
 fn fixed(value: f64, bits: i32) -> i64 {
     let (mantissa, exponent) = parts(value);
     let magnitude = shifted(mantissa, exponent + bits).min(i64::MAX as u64) as i64;

@@ -269,7 +269,7 @@ pub(super) fn lead(
             let distance = turns((target - commanded.state.position).counts());
             let bounds = smooth::bounds(limits)?;
             let pieces = trapezoid::to_rest(velocity, distance, duration.seconds(), &bounds);
-            chain.lay(pieces, Some(target.counts()))?;
+            chain.lay(&pieces, Some(target.counts()))?;
             chain.step();
         }
         Profile::Beta | Profile::SCurve => {

@@ -18,6 +18,7 @@
 //! | `upward` | the family of quickest motions, and which of them gets there |
 //! | `cases`, `negative` | the members of that family |
 //! | `lobes` | the shape that they have |
+//! | `corners` | what a device lays in integers: the rates where pieces begin |
 //! | `root` | the root of a smooth curve |
 //! | `lasting` | a motion that lasts longer, for axes that arrive together |
 //! | `to_rest` | a start above the velocity limit comes down to it and no further |
@@ -28,6 +29,7 @@
 mod bounds;
 mod brake;
 mod cases;
+mod corners;
 mod lasting;
 mod lobes;
 mod negative;
@@ -37,6 +39,7 @@ mod unit;
 mod upward;
 
 pub use bounds::SignedBounds;
+pub(crate) use corners::{Corner, Corners, plan_corners, to_rest_corners};
 pub use lasting::lasting;
 pub use to_rest::to_rest;
 
@@ -61,12 +64,16 @@ pub fn time_optimal(
     to: Sample,
     bounds: &SignedBounds,
 ) -> Result<Segments, ProfileError> {
+    Ok(solved(from, to, bounds)?.join(from, to, bounds.jerk()))
+}
+
+/// The pieces of [`time_optimal`].
+fn solved(from: Sample, to: Sample, bounds: &SignedBounds) -> Result<Pieces, ProfileError> {
     let state = checked_start(from, to.position, bounds)?;
     let (lowest, highest) = (bounds.velocity_min(), bounds.velocity_max());
     checked("stop velocity", to.velocity, lowest, highest)?;
     let range = Range::new(bounds, from.position, to.position);
-    let pieces = quickest(state, bounds.jerk() * to.velocity, &range);
-    Ok(pieces.join(from, to, bounds.jerk()))
+    Ok(quickest(state, bounds.jerk() * to.velocity, &range))
 }
 
 /// [`time_optimal`] with a person's limits: acceleration for the way towards the target as seen
@@ -75,12 +82,16 @@ pub fn time_optimal(
 /// # Errors
 /// As [`time_optimal`], and an infinite jerk limit.
 pub fn plan(from: Sample, to: Sample, bounds: &Bounds) -> Result<Segments, ProfileError> {
-    let bounds = if to.position >= from.position {
-        SignedBounds::forward(bounds)?
+    time_optimal(from, to, &towards(from, to, bounds)?)
+}
+
+/// A person's limits by sign, for the way from one place to another.
+fn towards(from: Sample, to: Sample, bounds: &Bounds) -> Result<SignedBounds, ProfileError> {
+    if to.position >= from.position {
+        SignedBounds::forward(bounds)
     } else {
-        SignedBounds::backward(bounds)?
-    };
-    time_optimal(from, to, &bounds)
+        SignedBounds::backward(bounds)
+    }
 }
 
 /// The quickest change of velocity, to no acceleration; where it ends is free, and no limit of

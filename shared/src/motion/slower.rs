@@ -242,25 +242,24 @@ impl Way {
 
     /// The pieces that last for `duration`, with one change of velocity to a cruise inside the
     /// limits. `None` where the time is too short for a cruise.
-    pub(crate) fn lasting(&self, duration: Ticks) -> Option<impl Iterator<Item = Piece>> {
+    pub(crate) fn lasting(&self, duration: Ticks) -> Option<[Piece; PIECES]> {
         let wanted = Wanted {
             duration: Some(duration.seconds()),
             ..self.wanted
         };
         let tried = wanted.solved(self.fastest)?;
         // The last piece ends on the tick, whatever the rounding of its parts.
-        let ends = Moment::from_ticks(duration);
-        let pieces = tried.pieces(self.sign).zip(1..);
-        Some(pieces.map(move |(piece, number)| Piece {
-            ends: if number == PIECES { ends } else { piece.ends },
-            ..piece
-        }))
+        let mut pieces = tried.pieces(self.sign);
+        if let Some(last) = pieces.last_mut() {
+            last.ends = Moment::from_ticks(duration);
+        }
+        Some(pieces)
     }
 
     /// The pieces from above the velocity limit: down to it, a cruise, and a stop; where the target
     /// is too near for that, down to a lower velocity from which a stop follows at once. The speed
     /// never rises again. `None` from below the limit.
-    pub(crate) fn down(&self) -> Option<impl Iterator<Item = Piece>> {
+    pub(crate) fn down(&self) -> Option<[Piece; PIECES]> {
         let Wanted {
             velocity,
             acceleration,
@@ -284,7 +283,7 @@ impl Way {
 
 impl Tried<f64> {
     /// The change, the cruise and the stop, in the direction `sign`.
-    fn pieces(&self, sign: f64) -> impl Iterator<Item = Piece> + use<> {
+    fn pieces(&self, sign: f64) -> [Piece; PIECES] {
         let (change, stop) = if sign < 0.0 {
             (self.change.mirrored(), self.stop.mirrored())
         } else {
@@ -297,7 +296,9 @@ impl Tried<f64> {
             entry: coasting,
             exit: coasting,
         };
-        change.pieces(0.0).chain([coast]).chain(stop.pieces(begins))
+        let [ramp, hold, release] = change.pieces(0.0);
+        let [brake, slow, rest] = stop.pieces(begins);
+        [ramp, hold, release, coast, brake, slow, rest]
     }
 }
 

@@ -6,7 +6,7 @@ use super::chain::{Chain, turns};
 use super::change::{Change, Strength};
 use super::s_curve::{self, SignedBounds};
 use super::slower::Way;
-use super::trajectory::{Sample, Trajectory};
+use super::trajectory::Sample;
 use crate::limits::Limits;
 use crate::time::Ticks;
 use crate::units::Position;
@@ -39,7 +39,7 @@ pub(crate) fn bounds(limits: &Limits) -> Option<Bounds> {
 /// [`crate::time::LONGEST_MOVE`].
 pub fn shortest_s_curve(range: Position, limits: &Limits) -> Option<Ticks> {
     let to = Sample::at_rest(turns(range.counts()));
-    let curve = s_curve::plan(Sample::at_rest(0.0), to, &bounds(limits)?).ok()?;
+    let curve = s_curve::plan_corners(Sample::at_rest(0.0), to, &bounds(limits)?).ok()?;
     whole_ticks(curve.duration())
 }
 
@@ -64,11 +64,11 @@ pub(crate) fn from_rest(
     let strong = bounds.acceleration();
     let way = Way::new(&rest, target, sign, strong, &bounds);
     if let Some(pieces) = way.lasting(duration) {
-        return chain.lay(pieces, Some(to)).ok_or(None);
+        return chain.lay(&pieces, Some(to)).ok_or(None);
     }
-    let curve = s_curve::plan(rest, Sample::at_rest(target), &bounds).map_err(|_| None)?;
+    let curve = s_curve::plan_corners(rest, Sample::at_rest(target), &bounds).map_err(|_| None)?;
     match whole_ticks(curve.duration()) {
-        Some(least) if least <= duration => chain.lay_segments(&curve, to).ok_or(None),
+        Some(least) if least <= duration => chain.lay_corners(&curve, to).ok_or(None),
         least => Err(least),
     }
 }
@@ -164,16 +164,16 @@ impl Commanded {
         let rounding = turns(ROUNDING_MARGIN as i64) * (1.0 + seconds + seconds * seconds);
         if beyond.abs() <= rounding && duration.seconds() <= seconds + Ticks(1).seconds() {
             // A state in whole counts stops beside the target by a few of them.
-            return chain.lay(stop.pieces(0.0), Some(to));
+            return chain.lay(&stop.pieces(0.0), Some(to));
         }
         let sign = 1.0f64.copysign(beyond);
         let strong = speeding(sign, &from, &bounds);
         let way = Way::new(&from, distance, sign, strong, &bounds);
         if let Some(pieces) = way.lasting(duration) {
-            return chain.lay(pieces, Some(to));
+            return chain.lay(&pieces, Some(to));
         }
         if let Some(pieces) = way.down() {
-            return chain.lay(pieces, Some(to));
+            return chain.lay(&pieces, Some(to));
         }
         // Whoever goes the wrong way above the velocity limit turns round anyway: no ramp to the
         // limit is needed on that side.
@@ -197,8 +197,8 @@ impl Commanded {
             )
         };
         let signed = signed.ok()?;
-        let curve = s_curve::to_rest(from, distance, &signed).ok()?;
-        chain.lay_segments(&curve, to)
+        let curve = s_curve::to_rest_corners(from, distance, &signed).ok()?;
+        chain.lay_corners(&curve, to)
     }
 
     /// Lays a chain to rest as quickly as the limits allow, with a multiple of the jerk limit; with
@@ -207,7 +207,7 @@ impl Commanded {
         if times == f64::INFINITY {
             let velocity = turns(self.state.velocity.counts());
             let braking = Change::braking(velocity, turns(limits.deceleration().counts()));
-            chain.lay(braking.pieces(0.0), None)?;
+            chain.lay(&braking.pieces(0.0), None)?;
             chain.step();
             return Some(());
         }
@@ -221,6 +221,6 @@ impl Commanded {
             from.acceleration = 0.0;
         }
         let stop = stopping(&from, &bounds);
-        chain.lay(stop.pieces(0.0), None)
+        chain.lay(&stop.pieces(0.0), None)
     }
 }

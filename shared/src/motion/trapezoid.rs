@@ -142,7 +142,7 @@ impl Trapezoid {
     }
 
     /// The pieces of the move over a range in counts.
-    pub(crate) fn pieces(&self, range: i64) -> impl Iterator<Item = Piece> {
+    pub(crate) fn pieces(&self, range: i64) -> [Piece; 3] {
         let rate = TICKS_PER_SECOND as f64;
         let velocity = self.cruise_velocity(turns(range));
         let fall = Ticks(self.acceleration.0 + self.cruise.0);
@@ -153,7 +153,6 @@ impl Trapezoid {
             (fall, 0.0, velocity, velocity),
             (self.duration(), down, velocity, 0.0),
         ]
-        .into_iter()
         .map(|(ends, acceleration, from, to)| Piece {
             ends: Moment::from_ticks(ends),
             entry: Rates::new(from, acceleration),

@@ -108,6 +108,7 @@ macro_rules! parameters {
             pub const ALL: [Self; Self::COUNT] = [$(Self::$parameter),*];
 
             /// What the table says of it.
+            #[inline(always)]
             pub const fn entry(self) -> Entry {
                 match self {
                     $(Self::$parameter => Entry {
@@ -208,7 +209,33 @@ impl Parameter {
             .find(|parameter| parameter.entry().name == name)
     }
 
+    // One of the table's columns each, apart from each other: a device asks for nothing else, so that
+    // names and meanings take none of its flash.
+
+    /// Its least and its greatest raw value.
+    #[inline(never)]
+    pub const fn range(self) -> (i64, i64) {
+        let entry = self.entry();
+        (entry.minimum, entry.maximum)
+    }
+
+    /// Raw steps in one of the unit; of a choice, one.
+    #[inline(never)]
+    pub const fn steps_per_unit(self) -> i64 {
+        match self.entry().kind {
+            Kind::Number { per_unit } => per_unit,
+            Kind::Choice(_) => 1,
+        }
+    }
+
+    /// When it may change.
+    #[inline(never)]
+    pub const fn change(self) -> Change {
+        self.entry().change
+    }
+
     /// Its raw value until it is changed, for the axis of this id.
+    #[inline(never)]
     pub const fn default_raw(self, axis: u8) -> i64 {
         match self.entry().default {
             Default::Raw(raw) => raw,

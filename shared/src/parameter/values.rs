@@ -153,8 +153,8 @@ impl Values {
     }
 
     fn in_range(&self, parameter: Parameter, raw: i64) -> Result<Self, ParameterError> {
-        let entry = parameter.entry();
-        if !(entry.minimum..=entry.maximum).contains(&raw) {
+        let (minimum, maximum) = parameter.range();
+        if !(minimum..=maximum).contains(&raw) {
             return Err(ParameterError::OutOfRange { parameter, raw });
         }
         let mut changed = *self;
@@ -210,7 +210,7 @@ fn steps_within(parameter: Parameter, counts: i64) -> i64 {
 impl Parameter {
     /// A raw value in the parameter's unit; of a choice, its place.
     pub fn in_unit(self, raw: i64) -> f64 {
-        raw as f64 / self.steps_per_unit()
+        raw as f64 / self.steps_per_unit() as f64
     }
 
     /// The nearest raw value to one in the parameter's unit. What is outside the range by less than
@@ -218,7 +218,7 @@ impl Parameter {
     pub fn nearest(self, value: f64) -> Option<i64> {
         let raw = self.clamped(self.rounded(value));
         // A NaN is near nothing.
-        let away = libm::fabs(value * self.steps_per_unit() - raw as f64);
+        let away = libm::fabs(value * self.steps_per_unit() as f64 - raw as f64);
         (away < 1.0).then_some(raw)
     }
 
@@ -231,20 +231,13 @@ impl Parameter {
         i64::try_from(place).ok()
     }
 
-    fn steps_per_unit(self) -> f64 {
-        match self.entry().kind {
-            Kind::Number { per_unit } => per_unit as f64,
-            Kind::Choice(_) => 1.0,
-        }
-    }
-
     fn rounded(self, value: f64) -> i64 {
-        libm::round(value * self.steps_per_unit()) as i64
+        libm::round(value * self.steps_per_unit() as f64) as i64
     }
 
     fn clamped(self, raw: i64) -> i64 {
-        let entry = self.entry();
-        raw.max(entry.minimum).min(entry.maximum)
+        let (minimum, maximum) = self.range();
+        raw.max(minimum).min(maximum)
     }
 }
 

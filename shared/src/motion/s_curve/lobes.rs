@@ -19,20 +19,28 @@ impl Lobes {
     /// Lays it from an acceleration of `a0`; `sign` is -1 where everything is upside down.
     pub fn lay(&self, a0: f64, sign: f64, pieces: &mut Pieces) {
         let Self { peak, trough, .. } = *self;
+        // Times the sign, for next to nothing.
+        let turned = |value: f64| {
+            if sign.is_sign_negative() {
+                -value
+            } else {
+                value
+            }
+        };
         let mut push = |duration, jerk: f64, from: f64| {
-            pieces.push(Piece::new(duration, sign * jerk, sign * from));
+            pieces.push(Piece::new(duration, turned(jerk), turned(from)));
         };
         push(peak - a0, 1.0, a0);
         push(self.peak_hold, 0.0, peak);
         if self.cruise > 0.0 {
             push(peak, -1.0, peak);
-            pieces.push(Piece::cruise(self.cruise, sign * self.cruise_velocity));
+            pieces.push(Piece::cruise(self.cruise, turned(self.cruise_velocity)));
             pieces.push(Piece::new(trough, -sign, 0.0));
         } else {
             push(peak + trough, -1.0, peak);
         }
         let mut push = |duration, jerk: f64| {
-            pieces.push(Piece::new(duration, sign * jerk, -sign * trough));
+            pieces.push(Piece::new(duration, turned(jerk), turned(-trough)));
         };
         push(self.trough_hold, 0.0);
         push(trough, 1.0);

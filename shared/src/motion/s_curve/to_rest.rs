@@ -22,12 +22,21 @@ use crate::motion::trajectory::Sample;
 /// # Errors
 /// A value that is not a number or too large.
 pub fn to_rest(from: Sample, target: f64, bounds: &SignedBounds) -> Result<Segments, ProfileError> {
+    let pieces = solved(from, target, bounds)?;
+    Ok(pieces.join(from, Sample::at_rest(target), bounds.jerk()))
+}
+
+/// The pieces of [`to_rest`].
+pub(super) fn solved(
+    from: Sample,
+    target: f64,
+    bounds: &SignedBounds,
+) -> Result<Pieces, ProfileError> {
     let start = checked_start(from, target, bounds)?;
     let range = Range::new(bounds, from.position, target);
-    let pieces = without_dip(start, 1.0, &range)
+    Ok(without_dip(start, 1.0, &range)
         .or_else(|| without_dip(start.mirrored(), -1.0, &range.mirrored()))
-        .unwrap_or_else(|| quickest(start, 0.0, &range));
-    Ok(pieces.join(from, Sample::at_rest(target), bounds.jerk()))
+        .unwrap_or_else(|| quickest(start, 0.0, &range)))
 }
 
 /// The way down to the limit, for a start that is above it and where `brake` would make a dip.

@@ -20,6 +20,7 @@
 //! tick. Both are positive, so the shaped setpoints are a mean of past ones.
 
 use super::CAPACITY;
+use crate::motion::elementary::{exponential, sine};
 use crate::time::{TICKS_PER_SECOND, Ticks};
 use core::f64::consts::{PI, TAU};
 use core::fmt;
@@ -263,10 +264,12 @@ impl Shaping {
         let late = early + 1;
         let alpha = snap(PI - f64::from(early) * angle, angle);
         let beta = angle - alpha;
-        let part = |ticks: u32, angle_left: f64| {
-            libm::exp(-decay * f64::from(ticks)) * libm::sin(angle_left) / libm::sin(angle)
-        };
-        let (one, other) = (part(early, beta), part(late, alpha));
+        // Half a period decays by e^1.9 at most.
+        let strength = exponential(-decay * f64::from(early)) / sine(angle);
+        let (one, other) = (
+            strength * sine(beta),
+            strength * exponential(-decay) * sine(alpha),
+        );
         let [first, second, third] = self.kind.strengths();
         let parts = [
             (0, first),
@@ -277,7 +280,8 @@ impl Shaping {
             (2 * late, third * other * other),
         ];
         let whole: f64 = parts.iter().map(|(_, part)| part).sum();
-        let shares = parts.into_iter().map(|(ticks, part)| (ticks, part / whole));
+        let scale = 1.0 / whole;
+        let shares = parts.into_iter().map(|(ticks, part)| (ticks, part * scale));
         shares.filter(|(_, part)| *part > 0.0).collect()
     }
 }

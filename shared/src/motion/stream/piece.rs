@@ -236,6 +236,7 @@ impl Shape {
 }
 
 /// `factor` times a raised difference of velocities over `ticks`, as a raised acceleration.
+#[inline(always)]
 fn per_second(difference: i64, factor: i64, ticks: u16) -> Result<i64, Breach> {
     const RATE: i64 = TICKS_PER_SECOND as i64 >> (VELOCITY_BITS - ACCELERATION_BITS);
     let product = difference.checked_mul(factor * RATE);
@@ -248,6 +249,7 @@ fn per_second(difference: i64, factor: i64, ticks: u16) -> Result<i64, Breach> {
 }
 
 /// `value / ticks`, towards zero.
+#[inline(always)]
 fn divide(value: i64, ticks: u16) -> i64 {
     let quotient = divide_unsigned(value.unsigned_abs(), ticks) as i64;
     if value < 0 {

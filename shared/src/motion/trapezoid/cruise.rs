@@ -19,12 +19,7 @@ use crate::motion::phase::{Moment, Rates};
 ///
 /// Slowing down takes the deceleration limit and speeding up the acceleration limit. Whoever comes
 /// too fast overshoots and comes back.
-pub(crate) fn to_rest(
-    velocity: f64,
-    target: f64,
-    duration: f64,
-    bounds: &Bounds,
-) -> impl Iterator<Item = Piece> {
+pub(crate) fn to_rest(velocity: f64, target: f64, duration: f64, bounds: &Bounds) -> [Piece; 4] {
     // 1 / a and 1 / d
     let up = 1.0 / bounds.acceleration();
     let down = 1.0 / bounds.deceleration();
@@ -72,7 +67,7 @@ pub(crate) fn to_rest(
         0.0
     };
     let coasts =
-        move |velocity: f64, acceleration: f64| Rates::new(sign * velocity, sign * acceleration);
+        |velocity: f64, acceleration: f64| Rates::new(sign * velocity, sign * acceleration);
     let against = bounds.deceleration();
     let mut ends = 0.0;
     [
@@ -81,8 +76,7 @@ pub(crate) fn to_rest(
         (level, cruise, cruise, 0.0),
         (fall, cruise, 0.0, -against),
     ]
-    .into_iter()
-    .map(move |(duration, from, to, acceleration)| {
+    .map(|(duration, from, to, acceleration)| {
         ends += duration;
         Piece {
             ends: Moment::from_seconds(ends),
