@@ -21,7 +21,7 @@ impl Motion {
             steps: false,
         };
         [1.0].into_iter().chain(HARDER).find_map(|times| {
-            if passes(&state, limits, times) {
+            if passes(&state, limits, times, ROUNDING_MARGIN) {
                 return None;
             }
             let mut chain = Chain::new(now, state.position.counts());
@@ -72,13 +72,13 @@ impl Motion {
     }
 }
 
-/// Whether the velocity limit is passed while a multiple of the jerk limit takes the acceleration
-/// back: v + a |a| / 2 j is the velocity then.
-fn passes(state: &Setpoint, limits: &Limits, times: f64) -> bool {
+/// Whether the velocity limit, less a margin, is passed while a multiple of the jerk limit takes the
+/// acceleration back: v + a |a| / 2 j is the velocity then.
+pub(super) fn passes(state: &Setpoint, limits: &Limits, times: f64, margin: f64) -> bool {
     let acceleration = state.acceleration.counts() as f64;
     let jerk = limits.jerk().counts() as f64 * times;
     let gained = acceleration * acceleration.abs() / (2.0 * jerk);
     let released = state.velocity.counts() as f64 + gained;
-    let most = limits.velocity().counts() as f64 - ROUNDING_MARGIN;
+    let most = limits.velocity().counts() as f64 - margin;
     acceleration != 0.0 && released.abs() > most
 }

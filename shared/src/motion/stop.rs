@@ -6,6 +6,7 @@
 
 use super::Motion;
 use super::chain::Chain;
+use super::passing::passes;
 use super::smooth::ROUNDING_MARGIN;
 use crate::limits::Limits;
 use crate::time::Tick;
@@ -19,7 +20,7 @@ impl Motion {
     /// dropped. Gives the first tick at rest.
     ///
     /// A motion that rests as soon anyway is left alone, a stop under way above all. Where a stop
-    /// would leave the travel, it is made with more jerk than the limit, at the last as a quick stop;
+    /// would leave the travel or pass the velocity limit, it is made with more jerk than the limit, at the last as a quick stop;
     /// where even that does not help, the motion under way, which was checked to stay inside, runs on to its end. From
     /// outside the travel every stop counts that does not lead farther out.
     pub fn stop(&mut self, now: Tick, limits: &Limits) -> Tick {
@@ -50,6 +51,10 @@ impl Motion {
         let last = [(f64::INFINITY, 0), (f64::INFINITY, ROUNDING_MARGIN as i64)];
         let tries = [first].into_iter().chain(HARDER).map(|times| (times, 0));
         for (times, beside) in tries.chain(last) {
+            // What was a trapezoid's steps to what can be taken back in time.
+            if !commanded.steps && passes(&commanded.state, limits, times, 0.0) {
+                continue;
+            }
             let mut chain = Chain::new(now, commanded.state.position.counts());
             let laid = commanded.stop(&mut chain, limits, times).is_some();
             if !laid || !chain.stays_beside(limits, beside) {

@@ -30,6 +30,9 @@ pub(super) struct Parameters {
     kept: Vec<Values>,
     /// The number of the save that has no answer yet, and what it may be saving.
     saving: Option<u8>,
+    /// Whether a save may still be going on: one that seems to be refused may be a repetition of one
+    /// that is not.
+    may_be_saving: bool,
     saves: Vec<Values>,
 }
 
@@ -46,6 +49,7 @@ impl Parameters {
             is_torn: false,
             kept: vec![*values],
             saving: None,
+            may_be_saving: false,
             saves: Vec::new(),
         }
     }
@@ -61,6 +65,7 @@ impl Parameters {
         self.configured = false;
         self.restored = false;
         self.saving = None;
+        self.may_be_saving = false;
         self.saves.clear();
     }
 
@@ -91,25 +96,39 @@ impl Parameters {
                 ..
             } => {
                 self.saving = Some(sequence);
-                self.saves.clear();
-                self.saves.push(self.values);
-                // What was written since the last tick goes with it, as far as it was accepted.
-                let mut values = self.values;
-                if self.restored {
-                    self.saves.push(Values::defaults(axis));
-                    values = Values::defaults(axis);
+                if !self.may_be_saving {
+                    self.saves.clear();
                 }
-                for (parameter, raw) in &self.written {
-                    if let Ok((changed, _)) = values.with(*parameter, *raw) {
-                        values = changed;
-                        self.saves.push(values);
-                    }
-                }
-                self.kept.extend_from_slice(&self.saves);
+                self.may_be_saving = true;
+                self.may_save(axis);
                 self.is_torn |= !self.is_saved;
+                return;
             }
-            _ => {}
+            _ => return,
         }
+        // A save that waits for another takes what it finds when it begins.
+        if self.may_be_saving {
+            self.may_save(axis);
+        }
+    }
+
+    /// What holds now may be saved: what the last tick showed, with what was written since, as far
+    /// as it was accepted.
+    fn may_save(&mut self, axis: u8) {
+        let begin = self.saves.len();
+        let mut values = self.values;
+        self.saves.push(values);
+        if self.restored {
+            values = Values::defaults(axis);
+            self.saves.push(values);
+        }
+        for (parameter, raw) in &self.written {
+            if let Ok((changed, _)) = values.with(*parameter, *raw) {
+                values = changed;
+                self.saves.push(values);
+            }
+        }
+        self.kept.extend_from_slice(&self.saves[begin..]);
     }
 
     /// The axis said something.
@@ -130,6 +149,7 @@ impl Parameters {
         // One that is refused may have been half way to the flash.
         if reason == Reason::Accepted {
             self.kept = std::mem::take(&mut self.saves);
+            self.may_be_saving = false;
             (self.is_saved, self.is_torn) = (true, false);
         }
     }
@@ -155,7 +175,7 @@ impl Parameters {
             return Ok(false);
         }
         self.values = *values;
-        if self.saving.is_some() {
+        if self.may_be_saving {
             // It may have been written right before the save began.
             self.saves.push(*values);
             self.kept.push(*values);
