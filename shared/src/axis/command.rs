@@ -339,7 +339,8 @@ impl Axis {
                     self.request = None;
                     self.enter(State::SwitchOnDisabled);
                 }
-                State::SwitchOnDisabled => self.request = None,
+                // Also one that was to be enabled as soon as its drive is there.
+                State::NotReadyToSwitchOn | State::SwitchOnDisabled => self.request = None,
                 _ => {}
             },
             Action::Clear => match self.state {

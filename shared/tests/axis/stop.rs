@@ -314,6 +314,19 @@ fn clear_and_enable_may_come_in_one_tick() {
     assert_eq!(bench.axis.state(), State::OperationEnabled);
 }
 
+/// Found by the soak, seed 104246: three frames of one tick.
+#[test]
+fn clear_enable_and_disable_in_one_tick_leave_the_axis_disabled() {
+    let mut bench = Bench::enabled(Limits::default(), 0.0);
+    assert_eq!(bench.send(Command::EmergencyStop), Outcome::Accepted);
+    bench.run(20);
+    for action in [Action::Clear, Action::Enable, Action::Disable] {
+        assert_eq!(bench.control(action), Outcome::Accepted);
+    }
+    bench.run(50);
+    assert_eq!(bench.axis.state(), State::SwitchOnDisabled);
+}
+
 #[test]
 fn nothing_of_before_moves_the_axis_after_a_fault_is_cleared() {
     let mut bench = Bench::enabled(Limits::default(), 0.0);
