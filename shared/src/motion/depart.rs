@@ -71,6 +71,8 @@ impl Motion {
         asked: Move,
         limits: &Limits,
     ) -> Result<Planned, PlanError> {
+        // Room for what comes is made by what has ended.
+        self.phases.retain(|phase| phase.end() > now);
         if self.is_moving(start) {
             self.retarget(now, start, asked, limits)
         } else {

@@ -20,9 +20,10 @@ impl Motion {
     /// dropped. Gives the first tick at rest.
     ///
     /// A motion that rests as soon anyway is left alone, a stop under way above all. Where a stop
-    /// would leave the travel or pass the velocity limit, it is made with more jerk than the limit, at the last as a quick stop;
-    /// where even that does not help, the motion under way, which was checked to stay inside, runs on to its end. From
-    /// outside the travel every stop counts that does not lead farther out.
+    /// would leave the travel or pass the velocity limit, it is made with more jerk than the limit,
+    /// at the last as a quick stop; where even that does not help, the motion under way, which was
+    /// checked to stay inside, runs on to its end. From outside the travel every stop counts that
+    /// does not lead farther out.
     pub fn stop(&mut self, now: Tick, limits: &Limits) -> Tick {
         self.rest_soon(now, limits, false)
     }
@@ -44,13 +45,24 @@ impl Motion {
             return now;
         };
         let commanded = self.commanded(now);
-        let first = if quick { f64::INFINITY } else { 1.0 };
+        // The wanted stop first; what is tried after it comes to rest later or has more jerk.
+        let mut times = [
+            1.0,
+            HARDER[0],
+            HARDER[1],
+            HARDER[2],
+            HARDER[3],
+            f64::INFINITY,
+        ];
+        if quick {
+            times.reverse();
+        }
+        let first = times[0];
         // A motion that brakes for the end of the travel already, and then turns back, leaves no room
         // but for what rounding takes: the margin to the limit, which only the quick stop uses up,
         // and where the limits are of a few counts, some counts beside the end.
-        let last = [(f64::INFINITY, 0), (f64::INFINITY, ROUNDING_MARGIN as i64)];
-        let tries = [first].into_iter().chain(HARDER).map(|times| (times, 0));
-        for (times, beside) in tries.chain(last) {
+        let last = (f64::INFINITY, ROUNDING_MARGIN as i64);
+        for (times, beside) in times.map(|times| (times, 0)).into_iter().chain([last]) {
             // What was a trapezoid's steps to what can be taken back in time.
             if !commanded.steps && passes(&commanded.state, limits, times, 0.0) {
                 continue;

@@ -104,6 +104,26 @@ proptest! {
     }
 }
 
+/// Seven phases that have all but ended leave room for the seven that come after them.
+#[test]
+fn what_has_ended_makes_room_for_what_comes() {
+    let limits = Limits::default();
+    let asked = |radians: f64, ticks| Move {
+        target: position(radians),
+        duration: Ticks(ticks),
+        profile: Profile::SCurve,
+    };
+    let mut motion = Motion::at_rest(position(0.0));
+    let first = motion.start(Tick(0), Tick(0), asked(6.0, 3_000), &limits);
+    let end = first.expect("long enough").end;
+    for now in [2_968, 2_999] {
+        let planned = motion
+            .clone()
+            .start(Tick(now), end, asked(-12.0, 5_000), &limits);
+        assert_eq!(planned.map(|planned| planned.start), Ok(end));
+    }
+}
+
 /// Until it leaves, a retarget lets the motion under way go on, also when it is replaced then.
 #[test]
 fn what_is_under_way_goes_on_until_the_retarget_leaves() {
