@@ -10,6 +10,8 @@
 //! | [`robot`] | the robot file |
 //! | [`parameter_file`] | parameters in a file |
 //! | [`profile`] | moves of one axis offline: planned, compared, drawn |
+//! | [`path`] | ways through waypoints, timed within limits |
+//! | [`foot`], [`leg`], [`gait`] | a foot's cycle, a leg's joints, a robot's steps |
 //! | [`notation`] | how people write axes and quantities |
 //! | [`demo`] | the demonstration |
 //! | [`log`], [`plot`] | recordings and reports |
@@ -19,10 +21,14 @@ pub mod bus;
 pub mod client;
 pub mod dbc;
 pub mod demo;
+pub mod foot;
+pub mod gait;
+pub mod leg;
 pub mod log;
 pub mod node;
 pub mod notation;
 pub mod parameter_file;
+pub mod path;
 pub mod plot;
 pub mod profile;
 pub mod robot;

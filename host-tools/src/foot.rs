@@ -1,0 +1,1 @@
+//! Foot trajectories: one cycle of one leg, stance first, in closed form.

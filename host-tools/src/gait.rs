@@ -1,0 +1,1 @@
+//! Gaits: which foot is when on the ground, and where.

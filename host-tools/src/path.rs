@@ -1,0 +1,1 @@
+//! Paths: through waypoints of several axes, timed within their limits.
