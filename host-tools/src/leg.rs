@@ -18,7 +18,7 @@ mod hip;
 mod serial;
 #[cfg(test)]
 mod tests;
-mod varying;
+pub(crate) mod varying;
 
 pub use error::LegError;
 pub use five_bar::{FiveBar, FiveBarLengths};

@@ -8,7 +8,7 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 /// A value with its first and second derivative by time.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Varying {
+pub(crate) struct Varying {
     pub value: f64,
     pub rate: f64,
     pub acceleration: f64,

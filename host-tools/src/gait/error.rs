@@ -1,0 +1,131 @@
+//! What a gait cannot be, and the cure.
+
+use crate::leg::LegError;
+use crate::plot::PlotError;
+use thiserror::Error;
+
+/// Why a gait cannot be planned or walked.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum GaitError {
+    /// A number out of its range.
+    #[error("{field} is {value} {unit}: it must be from {least} to {most} {unit}; {cure}")]
+    Value {
+        /// What it is.
+        field: &'static str,
+        /// What was given.
+        value: f64,
+        /// Its unit.
+        unit: &'static str,
+        /// The least that is possible.
+        least: f64,
+        /// The most.
+        most: f64,
+        /// What to do.
+        cure: &'static str,
+    },
+    /// A gait whose steps would be too short or too long to be made.
+    #[error(
+        "a foot would be {swing} s in the air in each cycle: it must be from {least} to {most} s; \
+         choose another period, duty or overlay"
+    )]
+    Swing {
+        /// How long a foot would be in the air, in s.
+        swing: f64,
+        /// The least.
+        least: f64,
+        /// The most.
+        most: f64,
+    },
+    /// A leg cannot do what the gait asks.
+    #[error(
+        "leg {leg} at {time:.3} s: {source}; ask for less speed, a shorter period, a lower swing \
+         or another height"
+    )]
+    Leg {
+        /// Which.
+        leg: &'static str,
+        /// When, in s.
+        time: f64,
+        /// What it cannot do, and by how much.
+        source: LegError,
+    },
+    /// A joint would break a limit of its axis.
+    #[error(
+        "axis {axis} ({leg}) would come to {what} of {value:.3} {unit} at {time:.3} s, and its limit \
+         is {limit:.3} {unit}: ask for less speed, a longer period or a lower swing, or raise \
+         the limit in the robot file"
+    )]
+    Limit {
+        /// The axis.
+        axis: u8,
+        /// Its leg.
+        leg: &'static str,
+        /// Position, velocity or acceleration.
+        what: &'static str,
+        /// The worst of it.
+        value: f64,
+        /// Where the limit is.
+        limit: f64,
+        /// Their unit.
+        unit: &'static str,
+        /// When, in s.
+        time: f64,
+    },
+    /// A robot that is no quadruped.
+    #[error(
+        "a gait needs four legs of three axes, and this robot has {axes} axes: name all 12 in the \
+         robot file"
+    )]
+    Axes {
+        /// How many there are.
+        axes: usize,
+    },
+    /// Time went back, or far ahead in one go.
+    #[error("the planner is at {now} s and cannot give {asked} s: ask from then up to {most} s later")]
+    Time {
+        /// Where the planner is, in s.
+        now: f64,
+        /// What was asked for, in s.
+        asked: f64,
+        /// How far ahead it goes in one go, in s.
+        most: f64,
+    },
+    /// More rows than anybody reads.
+    #[error("this makes {rows} rows, where {most} are the most: choose a longer --dt or fewer --cycles")]
+    Rows {
+        /// How many.
+        rows: f64,
+        /// The most.
+        most: usize,
+    },
+    /// It cannot be drawn.
+    #[error(transparent)]
+    Plot(#[from] PlotError),
+}
+
+impl GaitError {
+    /// Whether it says that the question was wrong, rather than that the robot cannot do it.
+    pub fn is_usage(&self) -> bool {
+        matches!(self, Self::Value { .. } | Self::Swing { .. } | Self::Rows { .. })
+    }
+}
+
+/// What a number may be.
+pub(super) struct Range {
+    pub field: &'static str,
+    pub unit: &'static str,
+    pub least: f64,
+    pub most: f64,
+    pub cure: &'static str,
+}
+
+impl Range {
+    pub fn check(&self, value: f64) -> Result<(), GaitError> {
+        // A NaN is in no range.
+        if (self.least..=self.most).contains(&value) {
+            return Ok(());
+        }
+        let Self { field, unit, least, most, cure } = *self;
+        Err(GaitError::Value { field, value, unit, least, most, cure })
+    }
+}
