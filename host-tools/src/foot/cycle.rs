@@ -156,7 +156,7 @@ impl Curve {
 /// How the foot goes through one phase.
 #[derive(Debug, Clone)]
 pub(super) enum Motion {
-    Plane { x: Curve, z: Curve },
+    Plane { x: Box<Curve>, z: Box<Curve> },
     Step(Box<Step>),
 }
 

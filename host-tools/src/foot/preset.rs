@@ -109,13 +109,13 @@ pub(super) fn curves(
         Preset::Circle => return Ok(circle(ground, request.period, stance_duration)),
         Preset::Swing => {
             let stance = Motion::Plane {
-                x: back,
-                z: Curve::Bump {
+                x: Box::new(back),
+                z: Box::new(Curve::Bump {
                     base: ground,
                     height: -request.stance,
                     law: Law::bump(),
                     duration: stance_duration,
-                },
+                }),
             };
             let standing = |x: f64| FootMotion {
                 position: [x, 0.0, ground],
@@ -155,7 +155,14 @@ pub(super) fn curves(
             bezier(&seventeen(4.0 * upward), ground)?,
         ),
     };
-    Ok((Motion::Plane { x: back, z: push }, Motion::Plane { x, z }))
+    Ok((plane(back, push), plane(x, z)))
+}
+
+fn plane(x: Curve, z: Curve) -> Motion {
+    Motion::Plane {
+        x: Box::new(x),
+        z: Box::new(z),
+    }
 }
 
 /// A circle that starts in front of its centre and goes up, backwards and down.
@@ -168,10 +175,7 @@ fn circle(ground: f64, period: f64, stance_duration: f64) -> (Motion, Motion) {
             rate,
             angle,
         };
-        Motion::Plane {
-            x: sine(0.0, angle + 0.5 * PI),
-            z: sine(ground, angle),
-        }
+        plane(sine(0.0, angle + 0.5 * PI), sine(ground, angle))
     };
     (from(0.0), from(rate * stance_duration))
 }
