@@ -1,8 +1,10 @@
 //! The command line's shape.
 
+mod foot;
 mod param;
 mod profile;
 
+pub use foot::{Foot, FootFormat};
 pub use param::{Param, ParamAction, ParamSet};
 pub use profile::{Compare, CompareFormat, Plan, PlanFormat, ShaperArgument};
 
@@ -79,6 +81,8 @@ pub enum Verb {
     Plan(Plan),
     /// Show the profiles side by side for one move: durations, peaks, vibration.
     Compare(Compare),
+    /// Show a foot's cycle, or all presets of it side by side.
+    Foot(Foot),
     /// Prove the promise: random robots, commands, hostile traffic and faults, in virtual time.
     Soak(Soak),
 }

@@ -2,6 +2,7 @@
 
 mod compare;
 mod demo;
+mod foot;
 mod r#move;
 mod node;
 mod param;
@@ -34,6 +35,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         Verb::Move(request) => r#move::run(&context, &request),
         Verb::Plan(request) => plan::run(&context, &request),
         Verb::Compare(request) => compare::run(&context, &request),
+        Verb::Foot(request) => foot::run(&context, &request),
         Verb::Soak(request) => soak::run(&context, &request),
     }
 }
