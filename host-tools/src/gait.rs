@@ -19,11 +19,11 @@
 
 mod blend;
 mod body;
-mod course;
+//mod course;
 mod error;
 mod ground;
 mod pattern;
-mod picture;
+//mod picture;
 mod planner;
 mod quadruped;
 mod rhythm;
@@ -31,10 +31,10 @@ mod rhythm;
 mod tests;
 
 pub use body::Body;
-pub use course::{AxisPeaks, Course, Peaks, Request};
+//pub use course::{AxisPeaks, Course, Peaks, Request};
 pub use error::GaitError;
 pub use ground::Pose;
-pub use pattern::{Gait, Kind, LEGS, LEG_NAMES};
-pub use picture::svg;
+pub use pattern::{Gait, Kind, LEG_NAMES, LEGS};
+//pub use picture::svg;
 pub use planner::{Planner, State};
 pub use quadruped::{Mount, Quadruped};

@@ -59,7 +59,12 @@ pub struct Commands {
 
 impl Commands {
     pub fn new(values: [f64; 6]) -> Self {
-        Self { settled: values, changes: [None; MOST_CHANGES], target: values, waiting: None }
+        Self {
+            settled: values,
+            changes: [None; MOST_CHANGES],
+            target: values,
+            waiting: None,
+        }
     }
 
     /// A command that comes in over `duration`; where too many are under way it waits.
@@ -84,7 +89,11 @@ impl Commands {
         if self.changes.iter().all(Option::is_none) {
             self.settled = self.target;
         }
-        let last = self.changes.iter().flatten().map(|change| change.start + change.duration);
+        let last = self
+            .changes
+            .iter()
+            .flatten()
+            .map(|change| change.start + change.duration);
         let last = last.fold(time, f64::max);
         if let Some((values, duration)) = self.waiting
             && let Some(slot) = self.changes.iter_mut().find(|slot| slot.is_none())
@@ -97,14 +106,22 @@ impl Commands {
             }
             self.target = values;
             if by != [0.0; 6] {
-                *slot = Some(Change { start: time, duration, by });
+                *slot = Some(Change {
+                    start: time,
+                    duration,
+                    by,
+                });
             }
         }
     }
 
     /// When something is due next.
     pub fn due(&self) -> f64 {
-        let ends = self.changes.iter().flatten().map(|change| change.start + change.duration);
+        let ends = self
+            .changes
+            .iter()
+            .flatten()
+            .map(|change| change.start + change.duration);
         ends.fold(f64::INFINITY, f64::min)
     }
 

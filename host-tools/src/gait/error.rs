@@ -1,5 +1,6 @@
 //! What a gait cannot be, and the cure.
 
+use crate::foot::FootError;
 use crate::leg::LegError;
 use crate::plot::PlotError;
 use thiserror::Error;
@@ -81,7 +82,9 @@ pub enum GaitError {
         axes: usize,
     },
     /// Time went back, or far ahead in one go.
-    #[error("the planner is at {now} s and cannot give {asked} s: ask from then up to {most} s later")]
+    #[error(
+        "the planner is at {now} s and cannot give {asked} s: ask from then up to {most} s later"
+    )]
     Time {
         /// Where the planner is, in s.
         now: f64,
@@ -91,13 +94,18 @@ pub enum GaitError {
         most: f64,
     },
     /// More rows than anybody reads.
-    #[error("this makes {rows} rows, where {most} are the most: choose a longer --dt or fewer --cycles")]
+    #[error(
+        "this makes {rows} rows, where {most} are the most: choose a longer --dt or fewer --cycles"
+    )]
     Rows {
         /// How many.
         rows: f64,
         /// The most.
         most: usize,
     },
+    /// A step that cannot be made.
+    #[error(transparent)]
+    Step(#[from] FootError),
     /// It cannot be drawn.
     #[error(transparent)]
     Plot(#[from] PlotError),
@@ -106,7 +114,10 @@ pub enum GaitError {
 impl GaitError {
     /// Whether it says that the question was wrong, rather than that the robot cannot do it.
     pub fn is_usage(&self) -> bool {
-        matches!(self, Self::Value { .. } | Self::Swing { .. } | Self::Rows { .. })
+        matches!(
+            self,
+            Self::Value { .. } | Self::Swing { .. } | Self::Rows { .. }
+        )
     }
 }
 
@@ -125,7 +136,20 @@ impl Range {
         if (self.least..=self.most).contains(&value) {
             return Ok(());
         }
-        let Self { field, unit, least, most, cure } = *self;
-        Err(GaitError::Value { field, value, unit, least, most, cure })
+        let Self {
+            field,
+            unit,
+            least,
+            most,
+            cure,
+        } = *self;
+        Err(GaitError::Value {
+            field,
+            value,
+            unit,
+            least,
+            most,
+            cure,
+        })
     }
 }

@@ -54,7 +54,10 @@ impl Pose {
     fn step(&mut self, commands: &Commands, from: f64, step: f64) {
         let turned = |share: f64| -> f64 {
             let part = step * share;
-            POINTS.iter().map(|(at, weight)| commands.at(from + part * at)[2].value * weight * part).sum()
+            POINTS
+                .iter()
+                .map(|(at, weight)| commands.at(from + part * at)[2].value * weight * part)
+                .sum()
         };
         for (at, weight) in POINTS {
             let [vx, vy, ..] = commands.at(from + step * at).map(|value| value.value);

@@ -121,12 +121,24 @@ impl Gait {
     /// a duty with its overlay from 0.1 to 0.95, heights from 0 to 1 m, and at least 20 ms in the
     /// air.
     pub fn check(&self) -> Result<(), GaitError> {
-        let share = |field, least, most, cure| Range { field, unit: "of the cycle", least, most, cure };
+        let share = |field, least, most, cure| Range {
+            field,
+            unit: "of the cycle",
+            least,
+            most,
+            cure,
+        };
         let offset = share("a phase offset", 0.0, 1.0, "leave out whole cycles");
         for value in self.offsets {
             offset.check(value)?;
         }
-        let in_metres = |field, most, cure| Range { field, unit: "m", least: 0.0, most, cure };
+        let in_metres = |field, most, cure| Range {
+            field,
+            unit: "m",
+            least: 0.0,
+            most,
+            cure,
+        };
         Range {
             field: "the period",
             unit: "s",
@@ -137,8 +149,13 @@ impl Gait {
         .check(self.period)?;
         share("the duty", 0.1, 0.95, "a half is a trot's").check(self.duty)?;
         share("the overlay", 0.0, 0.85, "choose a smaller one").check(self.overlay)?;
-        share("the duty with the overlay", 0.1, 0.95, "choose a smaller overlay")
-            .check(self.ground_share())?;
+        share(
+            "the duty with the overlay",
+            0.1,
+            0.95,
+            "choose a smaller overlay",
+        )
+        .check(self.ground_share())?;
         in_metres("the swing height", 1.0, "give it in m, such as 0.03").check(self.swing)?;
         in_metres("the stance depth", 0.1, "give it in m, such as 0.003").check(self.stance)?;
         let swing = (1.0 - self.ground_share()) * self.period;

@@ -50,7 +50,9 @@ impl Rhythm {
     /// A gait from a time on, at which the first leg is about to lift.
     pub fn new(gait: &Gait, time: f64) -> Self {
         let numbers = Numbers::of(gait);
-        let lifts = numbers.offsets.map(|offset| (offset + numbers.share).rem_euclid(1.0));
+        let lifts = numbers
+            .offsets
+            .map(|offset| (offset + numbers.share).rem_euclid(1.0));
         Self {
             from: numbers,
             to: numbers,
@@ -115,7 +117,10 @@ impl Rhythm {
     /// How high to lift and how deep to push, in m.
     pub fn heights(&self, time: f64) -> [f64; 2] {
         let share = rise(self.gone(time))[0];
-        [mix(self.from.swing, self.to.swing, share), mix(self.from.stance, self.to.stance, share)]
+        [
+            mix(self.from.swing, self.to.swing, share),
+            mix(self.from.stance, self.to.stance, share),
+        ]
     }
 
     /// How long a foot is in the air, in s, as it is now.
