@@ -103,7 +103,7 @@ fn millimetres(metres: f64) -> String {
 }
 
 /// The number if it is one and in its range.
-pub(super) fn in_range(
+pub(crate) fn in_range(
     field: &'static str,
     value: f64,
     [least, most]: [f64; 2],

@@ -1,8 +1,10 @@
 //! The command line's shape.
 
+mod leg;
 mod param;
 mod profile;
 
+pub use leg::{LegAction, LegArguments};
 pub use param::{Param, ParamAction, ParamSet};
 pub use profile::{Compare, CompareFormat, Plan, PlanFormat, ShaperArgument};
 
@@ -79,6 +81,8 @@ pub enum Verb {
     Plan(Plan),
     /// Show the profiles side by side for one move: durations, peaks, vibration.
     Compare(Compare),
+    /// Compute a leg's joints from its foot, or its foot from its joints, offline.
+    Leg(LegArguments),
     /// Prove the promise: random robots, commands, hostile traffic and faults, in virtual time.
     Soak(Soak),
 }

@@ -2,6 +2,7 @@
 
 mod compare;
 mod demo;
+mod leg;
 mod r#move;
 mod node;
 mod param;
@@ -34,6 +35,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         Verb::Move(request) => r#move::run(&context, &request),
         Verb::Plan(request) => plan::run(&context, &request),
         Verb::Compare(request) => compare::run(&context, &request),
+        Verb::Leg(request) => leg::run(&context, &request.action),
         Verb::Soak(request) => soak::run(&context, &request),
     }
 }
@@ -41,5 +43,5 @@ pub fn run(arguments: Arguments) -> Result<()> {
 /// Whether an error says that the command line was wrong, rather than that something failed.
 pub fn is_usage(error: &anyhow::Error) -> bool {
     let plan = error.downcast_ref::<PlanError>();
-    plan.is_some_and(PlanError::is_usage) || param::is_usage(error)
+    plan.is_some_and(PlanError::is_usage) || param::is_usage(error) || leg::is_usage(error)
 }
