@@ -108,14 +108,8 @@ fn what_is_out_of_reach_ends_with_1_and_says_by_how_much() {
             "ik --leg five-bar --x 0 --y -0.05 --z 0",
             "50.000 mm too near to the axis of abduction",
         ),
-        ("fk --leg five-bar --q1 0 --q2 0 --q3 0", ""),
-        ("fk --leg five-bar --q1 270deg --q2 270deg --q3 1e3", ""),
     ] {
         let ended = canter(&format!("leg {arguments}"));
-        if words.is_empty() {
-            ended.success();
-            continue;
-        }
         assert_eq!(ended.status.code(), Some(1), "{arguments}: {ended:#?}");
         assert!(ended.stderr.contains(words), "{arguments}: {ended:#?}");
         assert!(ended.stdout.is_empty(), "{arguments}: {ended:#?}");

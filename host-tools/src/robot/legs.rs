@@ -291,3 +291,81 @@ pub(super) fn choose<'a>(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::robot::Robot;
+    use std::path::Path;
+
+    const LEG: &str = "[[axis]]\nid = 1\n[[axis]]\nid = 2\n[[axis]]\nid = 3\n[[leg]]\n\
+        name = \"a\"\nkind = \"five-bar\"\nmotor_offset = 0.03\nhip = 0.06\nupper = 0.1\n\
+        lower = 0.16\naxes = [1, 2, 3]\nsigns = [1, -1, 1]\noffsets = [0.5, 0.0, 0.0]\n\
+        place = [0.1, 0.1, 0.0]\n";
+
+    fn parse(text: &str) -> Result<Robot, String> {
+        Robot::parse(text, Path::new("robot.toml")).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn axes_and_joints_are_each_other_s_inverse() {
+        let robot = parse(LEG).expect("valid");
+        let leg = &robot.legs()[0];
+        assert_eq!(leg.axis_positions([1.0, 2.0, 3.0]), [1.5, -2.0, 3.0]);
+        assert_eq!(leg.axis_rates([1.0, 2.0, 3.0]), [1.0, -2.0, 3.0]);
+        assert_eq!(leg.joints([1.5, -2.0, 3.0]), [1.0, 2.0, 3.0]);
+    }
+
+    #[test]
+    fn bad_legs_say_what_is_wrong() {
+        for (good, bad, words) in [
+            ("\"a\"", "\"\"", "name = \"\""),
+            ("\"a\"", "\"serial\"", "name = \"serial\""),
+            ("five-bar", "six-bar", "six-bar"),
+            ("motor_offset = 0.03\n", "", "motor_offset is missing"),
+            ("\"five-bar\"", "\"serial\"", "a serial leg has none"),
+            ("0.03", "-0.03", "motor_offset = -0.03"),
+            ("upper = 0.1\n", "upper = nan\n", "upper = NaN"),
+            ("lower = 0.16", "lower = 0.0", "from 0.001 to 10 m"),
+            ("[1, 2, 3]", "[1, 2, 2]", "axes names 2"),
+            ("[1, 2, 3]", "[1, 2, 4]", "axes names 4"),
+            ("[1, -1, 1]", "[1, 0, 1]", "signs names 0"),
+            ("[0.5, 0.0, 0.0]", "[0.5, inf, 0.0]", "offsets[1] = inf"),
+            ("[0.1, 0.1, 0.0]", "[0.1, 0.1, 99.0]", "place[2] = 99"),
+            ("place", "position", "position"),
+        ] {
+            assert!(LEG.contains(good), "{good}");
+            let message = parse(&LEG.replace(good, bad)).expect_err(bad);
+            assert!(message.contains(words), "{message}");
+        }
+        // The second leg wants what the first one has.
+        let again = LEG.split_once("[[leg]]").expect("a leg").1;
+        let message = parse(&format!("{LEG}[[leg]]{again}")).expect_err("twice");
+        assert!(message.contains("name = \"a\""), "{message}");
+        let other = again.replace("\"a\"", "\"b\"");
+        let message = parse(&format!("{LEG}[[leg]]{other}")).expect_err("twice");
+        assert!(message.contains("leg b: axes names 1"), "{message}");
+    }
+
+    #[test]
+    fn the_robot_that_is_assumed_hangs_straight_and_is_a_mirror_of_itself() {
+        let robot = Robot::default();
+        let legs = robot.legs();
+        assert_eq!(legs.len(), 4);
+        let axes = legs.iter().flat_map(|leg| leg.axes).map(|axis| axis.get());
+        assert!(axes.eq(1..=12));
+        for leg in legs {
+            let foot = leg.kinematics.foot(leg.joints([0.0; 3])).expect("a foot");
+            let below = [0.0, 0.0, -0.27];
+            assert!(
+                foot.iter().zip(below).all(|(a, b)| (a - b).abs() < 1e-15),
+                "{foot:?}"
+            );
+        }
+        let at = |leg: usize, y: f64| {
+            let joints = legs[leg].kinematics.joints([0.02, y, -0.2]);
+            legs[leg].axis_positions(joints.expect("in reach"))
+        };
+        let (left, right) = (at(0, 0.03), at(1, -0.03));
+        assert!(left.iter().zip(right).all(|(a, b)| (a + b).abs() < 1e-15));
+    }
+}
