@@ -146,19 +146,22 @@ fn rates_and_accelerations_are_the_derivatives() {
             for (neighbour, weight) in (1_u8..).zip(weights) {
                 let away = f64::from(neighbour) * step;
                 let (after, before) = (at(time + away), at(time - away));
-                for joint in 0..3 {
-                    let weight = weight / step;
-                    differences[0][joint] +=
-                        weight * (after.position[joint] - before.position[joint]);
-                    differences[1][joint] +=
-                        weight * (after.velocity[joint] - before.velocity[joint]);
+                let pairs = [
+                    (after.position, before.position),
+                    (after.velocity, before.velocity),
+                ];
+                for (sums, (after, before)) in differences.iter_mut().zip(pairs) {
+                    for (sum, (after, before)) in sums.iter_mut().zip(after.iter().zip(before)) {
+                        *sum += weight / step * (after - before);
+                    }
                 }
             }
-            for joint in 0..3 {
-                for (order, exact) in [motion.velocity, motion.acceleration].iter().enumerate() {
-                    let error = (differences[order][joint] - exact[joint]).abs();
-                    let size = exact[joint].abs().max(1.0);
-                    worst[order] = worst[order].max(error / size);
+            let exact = [motion.velocity, motion.acceleration];
+            for (worst, (differences, exact)) in worst.iter_mut().zip(differences.iter().zip(exact))
+            {
+                for (difference, exact) in differences.iter().zip(exact) {
+                    let error = (difference - exact).abs() / exact.abs().max(1.0);
+                    *worst = worst.max(error);
                 }
             }
         }
