@@ -24,7 +24,7 @@ pub use error::LegError;
 pub use five_bar::{FiveBar, FiveBarLengths};
 pub use serial::{Serial, SerialLengths};
 
-use error::in_range;
+pub(crate) use error::in_range;
 use std::f64::consts::FRAC_PI_2;
 use varying::Varying;
 
@@ -62,11 +62,17 @@ const LINK_RANGE: [f64; 2] = [1e-3, 10.0];
 /// How far a hip may be from the axis of abduction, in m.
 const HIP_RANGE: [f64; 2] = [-10.0, 10.0];
 
+/// How far from the hip a foot may be asked for along x, y or z, in m.
+pub const FARTHEST_FOOT: f64 = 1e3;
+
+/// How far a joint may be asked to turn, in rad.
+pub const LARGEST_JOINT: f64 = 1e4;
+
 /// Where a foot may be asked for, in m, and how fast, in m/s and m/s^2.
-const FOOT_RANGES: [f64; 3] = [1e3, 1e6, 1e9];
+const FOOT_RANGES: [f64; 3] = [FARTHEST_FOOT, 1e6, 1e9];
 
 /// Where a joint may be asked for, in rad, and how fast, in rad/s and rad/s^2.
-const JOINT_RANGES: [f64; 3] = [1e4, 1e6, 1e9];
+const JOINT_RANGES: [f64; 3] = [LARGEST_JOINT, 1e6, 1e9];
 
 /// A leg of three joints. Its joint angles are q1, q2 and q3.
 ///

@@ -15,6 +15,12 @@
 //! frequency = 12.0       # Hz
 //! damping = 0.02         # ratio; 0 where it is left out
 //! ```
+//!
+//! Legs are `[[leg]]`, in `legs`.
+
+mod legs;
+
+pub use legs::{ChosenLeg, RobotLeg, RobotLegError, UnknownLeg};
 
 use canter_shared::limits::{DEFAULT_VALUES, LimitError, LimitValues, Limits};
 use canter_shared::motion::shaping::{ShaperKind, Shaping, ShapingError};
@@ -52,6 +58,7 @@ impl RobotAxis {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Robot {
     axes: Vec<RobotAxis>,
+    legs: Vec<RobotLeg>,
 }
 
 /// Why a robot file cannot be used.
@@ -107,6 +114,16 @@ pub enum RobotError {
         /// Which limit, and its range.
         source: LimitError,
     },
+    /// A leg is not possible.
+    #[error("the robot file {path}, leg {name}: {source}")]
+    Leg {
+        /// The file.
+        path: PathBuf,
+        /// The leg.
+        name: String,
+        /// Which value, and its range.
+        source: RobotLegError,
+    },
 }
 
 #[derive(Deserialize)]
@@ -114,6 +131,8 @@ pub enum RobotError {
 struct File {
     #[serde(default)]
     axis: Vec<FileAxis>,
+    #[serde(default)]
+    leg: Vec<legs::FileLeg>,
 }
 
 #[derive(Deserialize)]
@@ -196,9 +215,10 @@ impl FileLimits {
 }
 
 impl Robot {
-    /// A robot of these axes.
+    /// A robot of these axes, and no legs.
     pub fn of(axes: Vec<RobotAxis>) -> Self {
-        Self { axes }
+        let legs = Vec::new();
+        Self { axes, legs }
     }
 
     /// Reads a robot file.
@@ -250,7 +270,31 @@ impl Robot {
                 })?;
             axes.push(RobotAxis { id, values });
         }
-        Ok(Self { axes })
+        let ids: Vec<AxisId> = axes.iter().map(|axis| axis.id).collect();
+        let mut legs = Vec::new();
+        for leg in &file.leg {
+            let leg = leg.leg(&ids, &legs).map_err(|source| RobotError::Leg {
+                path: path(),
+                name: leg.name.clone(),
+                source,
+            })?;
+            legs.push(leg);
+        }
+        Ok(Self { axes, legs })
+    }
+
+    /// The legs, in the order of the file.
+    pub fn legs(&self) -> &[RobotLeg] {
+        &self.legs
+    }
+
+    /// The leg of this name, or the first of this kind: five-bar or serial. A robot without legs, or
+    /// one that no file names, has the published leg of a kind that it does not have itself.
+    ///
+    /// # Errors
+    /// Neither a name nor a kind of the robot's legs.
+    pub fn leg(&self, wanted: &str, is_named: bool) -> Result<ChosenLeg<'_>, UnknownLeg> {
+        legs::choose(&self.legs, is_named, wanted)
     }
 
     /// The axes.
@@ -280,13 +324,14 @@ impl Robot {
 }
 
 impl Default for Robot {
-    /// Twelve axes with the default limits.
+    /// Twelve axes with the default limits, three for each of four serial legs.
     fn default() -> Self {
         let axes = (1..=DEFAULT_AXES)
             .filter_map(AxisId::new)
             .map(RobotAxis::new)
             .collect();
-        Self { axes }
+        let legs = legs::assumed();
+        Self { axes, legs }
     }
 }
 

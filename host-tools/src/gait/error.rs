@@ -74,12 +74,20 @@ pub enum GaitError {
     },
     /// A robot that is no quadruped.
     #[error(
-        "a gait needs four legs of three axes, and this robot has {axes} axes: name all 12 in the \
-         robot file"
+        "a gait needs one leg in each corner of the body, and this robot has {legs} {corner}: name \
+         four [[leg]] in the robot file, with x and y of their places other than 0"
     )]
-    Axes {
-        /// How many there are.
-        axes: usize,
+    Legs {
+        /// Which corner.
+        corner: &'static str,
+        /// How many are there.
+        legs: usize,
+    },
+    /// A leg names an axis that the robot has not.
+    #[error("the robot has no axis {axis}, which a leg names: name it in the robot file")]
+    Axis {
+        /// Which.
+        axis: u8,
     },
     /// Time went back, or far ahead in one go.
     #[error(

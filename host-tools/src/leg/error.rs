@@ -92,6 +92,21 @@ pub enum LegError {
     },
 }
 
+impl LegError {
+    /// By how much a chain misses its foot, in m; 0 for other errors.
+    pub(super) fn missed_by(&self) -> f64 {
+        match self {
+            Self::TooFar {
+                distance, reach, ..
+            } => distance - reach,
+            Self::TooNear {
+                distance, least, ..
+            } => least - distance,
+            _ => 0.0,
+        }
+    }
+}
+
 /// A length in mm, in digits that show it even where it is tiny.
 fn millimetres(metres: f64) -> String {
     let value = metres * 1e3;
@@ -103,7 +118,7 @@ fn millimetres(metres: f64) -> String {
 }
 
 /// The number if it is one and in its range.
-pub(super) fn in_range(
+pub(crate) fn in_range(
     field: &'static str,
     value: f64,
     [least, most]: [f64; 2],

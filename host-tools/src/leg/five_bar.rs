@@ -67,8 +67,13 @@ impl FiveBar {
     /// Both motors' angles, and how far from straight or folded the nearer knee is.
     pub(super) fn angles(&self, [x, w]: Point) -> Result<([Varying; 2], f64), LegError> {
         let offset = self.lengths.motor_offset;
-        let front = self.chain("front motor").triangle(x - offset, w)?;
-        let rear = self.chain("rear motor").triangle(x + offset, w)?;
+        let front = self.chain("front motor").triangle(x - offset, w);
+        let rear = self.chain("rear motor").triangle(x + offset, w);
+        // Of two that are out of reach the worse one: its cure is enough.
+        let (front, rear) = match (front, rear) {
+            (Err(front), Err(rear)) if rear.missed_by() > front.missed_by() => return Err(rear),
+            (front, rear) => (front?, rear?),
+        };
         let angles = [front.direction - front.inner, rear.direction + rear.inner];
         // Otherwise the motors would hold the foot on the other side of its knees.
         let between = self.between(self.knees(angles), [x, w]);

@@ -1,10 +1,12 @@
 //! The command line's shape.
 
 mod foot;
+mod leg;
 mod param;
 mod profile;
 
 pub use foot::{Foot, FootFormat};
+pub use leg::{LegAction, LegArguments};
 pub use param::{Param, ParamAction, ParamSet};
 pub use profile::{Compare, CompareFormat, Plan, PlanFormat, ShaperArgument};
 
@@ -83,6 +85,8 @@ pub enum Verb {
     Compare(Compare),
     /// Show a foot's cycle, or all presets of it side by side.
     Foot(Foot),
+    /// Compute a leg's joints from its foot, or its foot from its joints, offline.
+    Leg(LegArguments),
     /// Prove the promise: random robots, commands, hostile traffic and faults, in virtual time.
     Soak(Soak),
 }

@@ -3,6 +3,7 @@
 mod compare;
 mod demo;
 mod foot;
+mod leg;
 mod r#move;
 mod node;
 mod param;
@@ -36,6 +37,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         Verb::Plan(request) => plan::run(&context, &request),
         Verb::Compare(request) => compare::run(&context, &request),
         Verb::Foot(request) => foot::run(&context, &request),
+        Verb::Leg(request) => leg::run(&context, &request.action),
         Verb::Soak(request) => soak::run(&context, &request),
     }
 }
@@ -43,5 +45,5 @@ pub fn run(arguments: Arguments) -> Result<()> {
 /// Whether an error says that the command line was wrong, rather than that something failed.
 pub fn is_usage(error: &anyhow::Error) -> bool {
     let plan = error.downcast_ref::<PlanError>();
-    plan.is_some_and(PlanError::is_usage) || param::is_usage(error)
+    plan.is_some_and(PlanError::is_usage) || param::is_usage(error) || leg::is_usage(error)
 }
