@@ -17,24 +17,29 @@ fn values(state: &State) -> impl Iterator<Item = [f64; 3]> + '_ {
     })
 }
 
-/// The ways and the changes of velocity between two times are those of the velocities and
-/// accelerations there, as far as a short time goes, and the acceleration does not jump.
+/// How far ahead a rate is compared with what it is the rate of, in s.
+const SHORT: f64 = 1e-6;
+
+/// The velocities and accelerations are those of the positions and velocities, and the
+/// accelerations do not jump.
 fn joined(before: &Planner, from: &State, to: &State) -> Result<(), TestCaseError> {
-    let step = to.time - from.time;
+    let soon = before.clone().advance(from.time + SHORT);
+    let soon = soon.map_err(|error| TestCaseError::fail(error.to_string()))?;
+    for (axis, (one, other)) in values(from).zip(values(&soon)).enumerate() {
+        let (name, time) = (axis + 1, from.time);
+        let velocity = (other[0] - one[0]) / SHORT - one[1];
+        let acceleration = (other[1] - one[1]) / SHORT - one[2];
+        prop_assert!(
+            velocity.abs() < 2e-3,
+            "axis {name} at {time}: its velocity is {velocity} off"
+        );
+        prop_assert!(
+            acceleration.abs() < 0.2,
+            "axis {name} at {time}: its acceleration is {acceleration} off"
+        );
+    }
     for (axis, (one, other)) in values(from).zip(values(to)).enumerate() {
-        let [way, velocity, jump] = [0, 1, 2].map(|order| other[order] - one[order]);
-        let way = way - 0.5 * step * (one[1] + other[1]) + step * step * jump / 12.0;
-        let velocity = velocity - 0.5 * step * (one[2] + other[2]);
-        let (name, time) = (axis + 1, to.time);
-        prop_assert!(
-            way.abs() < 1e-7,
-            "axis {name} at {time}: its way jumps by {way}"
-        );
-        prop_assert!(
-            velocity.abs() < 3e-4,
-            "axis {name} at {time}: its velocity jumps by {velocity}"
-        );
-        if jump.abs() > 0.5 {
+        if (other[2] - one[2]).abs() > 1.0 {
             no_jump(before.clone(), from, to, axis)?;
         }
     }
@@ -52,7 +57,7 @@ fn no_jump(
     let acceleration = |state: &State| values(state).nth(axis).map_or(0.0, |value| value[2]);
     let (mut early, mut late) = (from.time, to.time);
     let (mut low, mut high) = (acceleration(from), acceleration(to));
-    for _ in 0..14 {
+    for _ in 0..18 {
         let time = 0.5 * (early + late);
         let mut ahead = planner.clone();
         let state = ahead
@@ -109,14 +114,14 @@ fn orders() -> impl Strategy<Value = Vec<(f64, Order)>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(8))]
+    #![proptest_config(ProptestConfig::with_cases(5))]
 
     #[test]
     fn whatever_is_asked_no_joint_jumps(orders in orders()) {
         let quadruped = Quadruped::of(&Robot::default()).expect("four legs");
         let mut planner = Planner::new(quadruped, Body::standing(Quadruped::HEIGHT)).expect("it stands");
         let mut before = planner.advance(0.0).expect("it stands");
-        let step = 2e-4;
+        let step = 1e-3;
         let mut index = 0u32;
         let mut until = 0.0;
         for (pause, order) in orders.into_iter().chain([(1.0, Order::Stop), (4.0, Order::Stop)]) {
