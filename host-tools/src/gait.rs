@@ -8,6 +8,7 @@
 //! | `blend` | from one command to the next without a jump |
 //! | `rhythm` | the clock of the legs, and from one gait to the next |
 //! | `ground` | where the body is on the ground |
+//! | `walker` | one foot on the ground or above it |
 //! | `planner` | the motion of every foot and joint, as time goes on |
 //! | `course` | a whole walk offline: start, cycles, stop; its peaks |
 //! | `picture` | a walk as charts |
@@ -19,22 +20,23 @@
 
 mod blend;
 mod body;
-//mod course;
+mod course;
 mod error;
 mod ground;
 mod pattern;
-//mod picture;
+mod picture;
 mod planner;
 mod quadruped;
 mod rhythm;
 #[cfg(test)]
 mod tests;
+mod walker;
 
 pub use body::Body;
-//pub use course::{AxisPeaks, Course, Peaks, Request};
+pub use course::{AxisPeaks, Course, Peaks, Request};
 pub use error::GaitError;
 pub use ground::Pose;
 pub use pattern::{Gait, Kind, LEG_NAMES, LEGS};
-//pub use picture::svg;
+pub use picture::svg;
 pub use planner::{Planner, State};
 pub use quadruped::{Mount, Quadruped};

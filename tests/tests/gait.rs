@@ -3,4 +3,16 @@
 /// Here so that the files lie in a folder of their own.
 mod gait {
     mod continuity;
+    mod output;
+
+    use canter_tests::process::{Finished, Process};
+    use std::process::Command;
+
+    /// Runs `canter gait` with these arguments.
+    #[track_caller]
+    fn canter_gait(arguments: &str) -> Finished {
+        let mut command = Command::new(canter_tests::canter());
+        command.arg("gait").args(arguments.split_whitespace());
+        Process::spawn(&mut command).finish()
+    }
 }

@@ -39,7 +39,7 @@ pub enum GaitError {
     },
     /// A leg cannot do what the gait asks.
     #[error(
-        "leg {leg} at {time:.3} s: {source}; ask for less speed, a shorter period, a lower swing \
+        "leg {leg} at {time:.3} s: {cause}; or ask for less speed, a shorter period, a lower swing \
          or another height"
     )]
     Leg {
@@ -48,7 +48,7 @@ pub enum GaitError {
         /// When, in s.
         time: f64,
         /// What it cannot do, and by how much.
-        source: LegError,
+        cause: LegError,
     },
     /// A joint would break a limit of its axis.
     #[error(
@@ -101,6 +101,11 @@ pub enum GaitError {
         /// How far ahead it goes in one go, in s.
         most: f64,
     },
+    /// Standing that is to go somewhere, or to have cycles.
+    #[error(
+        "stand goes nowhere and has no cycle: leave out --vx, --vy, --yaw-rate and --steady, or choose a gait"
+    )]
+    Standing,
     /// More rows than anybody reads.
     #[error(
         "this makes {rows} rows, where {most} are the most: choose a longer --dt or fewer --cycles"
@@ -124,7 +129,7 @@ impl GaitError {
     pub fn is_usage(&self) -> bool {
         matches!(
             self,
-            Self::Value { .. } | Self::Swing { .. } | Self::Rows { .. }
+            Self::Value { .. } | Self::Swing { .. } | Self::Rows { .. } | Self::Standing
         )
     }
 }

@@ -1,12 +1,13 @@
 //! The motion of every foot and joint, as time goes on.
 
-use super::blend::{Commands, bump};
+use super::blend::Commands;
 use super::body::Body;
 use super::error::GaitError;
 use super::ground::Pose;
 use super::pattern::{Gait, LEG_NAMES, LEGS};
 use super::quadruped::{Mount, Quadruped};
 use super::rhythm::{Rhythm, when};
+use super::walker::{Footing, Walker};
 use crate::foot::Step;
 use crate::leg::varying::Varying;
 use crate::leg::{FootMotion, JointMotion};
@@ -38,30 +39,6 @@ pub struct State {
     pub pose: Pose,
     /// The feet on the ground and above it, in m.
     pub places: [[f64; 3]; LEGS],
-}
-
-#[derive(Debug, Clone)]
-enum Footing {
-    /// Pushing down from a time on for some time; for no time where it only stands.
-    Ground { since: f64, push: f64, depth: f64 },
-    /// From a time to another.
-    Air {
-        since: f64,
-        until: f64,
-        step: Step,
-        to: [f64; 2],
-    },
-}
-
-#[derive(Debug, Clone)]
-struct Walker {
-    /// Where the foot is, or lifted off.
-    place: [f64; 2],
-    footing: Footing,
-    /// The whole number at which it lifts.
-    cycle: f64,
-    /// Whether it has ended its last step.
-    home: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -135,6 +112,15 @@ impl Planner {
         self.commands.is_settled()
             && self.wanted.is_none()
             && rhythm.is_none_or(|rhythm| rhythm.settles() <= self.time)
+    }
+
+    /// When a foot is to come down next by the rhythm of the gait, in s; none before the first
+    /// gait, and for a leg that is none.
+    pub fn touch_down(&self, leg: usize) -> Option<f64> {
+        let rhythm = self.rhythm.as_ref().filter(|_| leg < LEGS)?;
+        let next = rhythm.of_leg(leg, self.time).floor() + 1.0;
+        let air = rhythm.air(self.time);
+        Some(when(|at| rhythm.of_leg(leg, at), next, self.time, air))
     }
 
     /// Asks the body for something else. It comes in over a cycle, half a second at least; while
@@ -338,32 +324,6 @@ impl Planner {
         Ok(())
     }
 
-    /// A foot on the ground and above it.
-    fn foot(&self, walker: &Walker) -> FootMotion {
-        let [x, y] = walker.place;
-        match &walker.footing {
-            Footing::Air { since, step, .. } => {
-                let mut motion = step.at(self.time - since);
-                motion.position[0] += x;
-                motion.position[1] += y;
-                motion
-            }
-            Footing::Ground { since, push, depth } => {
-                let mut motion = FootMotion {
-                    position: [x, y, 0.0],
-                    ..FootMotion::default()
-                };
-                if *push > 0.0 {
-                    let [down, rate, acceleration] = bump((self.time - since) / push);
-                    motion.position[2] = -depth * down;
-                    motion.velocity[2] = -depth * rate / push;
-                    motion.acceleration[2] = -depth * acceleration / (push * push);
-                }
-                motion
-            }
-        }
-    }
-
     fn state(&self) -> Result<State, GaitError> {
         let [vx, vy, turning, height, roll, pitch] = self.commands.at(self.time);
         let (sin, cos) = self.pose.yaw.sin_cos();
@@ -382,7 +342,7 @@ impl Planner {
             ..State::default()
         };
         for (index, walker) in self.walkers.iter().enumerate() {
-            let foot = self.foot(walker);
+            let foot = walker.foot(self.time);
             let [px, py, pz] = foot.position;
             let turn = |x: f64, y: f64| [cos * x + sin * y, cos * y - sin * x];
             let place = turn(px - self.pose.x, py - self.pose.y);
@@ -405,13 +365,11 @@ impl Planner {
             let (y, z) = (cos_roll * y + sin_roll * z, cos_roll * z - sin_roll * y);
             let mount = &self.quadruped.mounts[index];
             let motion = mount.seen([x, y, z]);
-            state.joints[index] = mount
-                .axis_motion(&motion)
-                .map_err(|source| GaitError::Leg {
-                    leg: LEG_NAMES[index],
-                    time: self.time,
-                    source,
-                })?;
+            state.joints[index] = mount.axis_motion(&motion).map_err(|cause| GaitError::Leg {
+                leg: LEG_NAMES[index],
+                time: self.time,
+                cause,
+            })?;
             state.feet[index] = motion;
             state.places[index] = foot.position;
             state.grounded[index] = matches!(walker.footing, Footing::Ground { .. });

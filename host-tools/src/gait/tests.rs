@@ -36,9 +36,9 @@ fn values(state: &State) -> impl Iterator<Item = [f64; 3]> + '_ {
 }
 
 const TURNING: Body = Body {
-    vx: 0.2,
-    vy: 0.05,
-    yaw_rate: 0.4,
+    vx: 0.12,
+    vy: 0.03,
+    yaw_rate: 0.3,
     height: Quadruped::HEIGHT,
     roll: 0.05,
     pitch: -0.03,

@@ -1,11 +1,13 @@
 //! The command line's shape.
 
 mod foot;
+mod gait;
 mod leg;
 mod param;
 mod profile;
 
 pub use foot::{Foot, FootFormat};
+pub use gait::{GaitAction, GaitArguments, GaitFormat, GaitPlan};
 pub use leg::{LegAction, LegArguments};
 pub use param::{Param, ParamAction, ParamSet};
 pub use profile::{Compare, CompareFormat, Plan, PlanFormat, ShaperArgument};
@@ -87,6 +89,8 @@ pub enum Verb {
     Foot(Foot),
     /// Compute a leg's joints from its foot, or its foot from its joints, offline.
     Leg(LegArguments),
+    /// Show the gaits, and plan walks offline.
+    Gait(GaitArguments),
     /// Prove the promise: random robots, commands, hostile traffic and faults, in virtual time.
     Soak(Soak),
 }

@@ -3,6 +3,7 @@
 mod compare;
 mod demo;
 mod foot;
+mod gait;
 mod leg;
 mod r#move;
 mod node;
@@ -37,6 +38,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         Verb::Plan(request) => plan::run(&context, &request),
         Verb::Compare(request) => compare::run(&context, &request),
         Verb::Foot(request) => foot::run(&context, &request),
+        Verb::Gait(request) => gait::run(&context, &request.action),
         Verb::Leg(request) => leg::run(&context, &request.action),
         Verb::Soak(request) => soak::run(&context, &request),
     }
@@ -45,5 +47,8 @@ pub fn run(arguments: Arguments) -> Result<()> {
 /// Whether an error says that the command line was wrong, rather than that something failed.
 pub fn is_usage(error: &anyhow::Error) -> bool {
     let plan = error.downcast_ref::<PlanError>();
-    plan.is_some_and(PlanError::is_usage) || param::is_usage(error) || leg::is_usage(error)
+    plan.is_some_and(PlanError::is_usage)
+        || param::is_usage(error)
+        || leg::is_usage(error)
+        || gait::is_usage(error)
 }
