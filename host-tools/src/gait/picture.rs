@@ -15,6 +15,9 @@ const FIGURES: usize = 6;
 /// From figure to figure: so many times the length of the body.
 const SPACING: f64 = 1.8;
 
+/// What is drawn of the joint of a leg.
+type ValueOf = fn(&State, usize, usize) -> f64;
+
 /// The picture of a walk, as an SVG document.
 ///
 /// # Errors
@@ -49,7 +52,7 @@ pub fn svg(course: &Course, title: &str) -> Result<String, GaitError> {
         heights.series.push(Series::line(name, height.collect()));
     }
     let mut charts = vec![paths, heights];
-    let orders: [(&str, &str, fn(&State, usize, usize) -> f64); 3] = [
+    let orders: [(&str, &str, ValueOf); 3] = [
         ("position", "rad", |state, leg, joint| {
             state.joints[leg].position[joint]
         }),

@@ -313,7 +313,8 @@ impl Planner {
             ..FootMotion::default()
         };
         let clearance = rhythm.heights(time)[0];
-        let step = Step::new(&FootMotion::default(), &end, clearance, down - time)?;
+        let start = FootMotion::default();
+        let step = Box::new(Step::new(&start, &end, clearance, down - time)?);
         walker.footing = Footing::Air {
             since: time,
             until: down,

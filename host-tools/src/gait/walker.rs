@@ -12,7 +12,7 @@ pub enum Footing {
     Air {
         since: f64,
         until: f64,
-        step: Step,
+        step: Box<Step>,
         to: [f64; 2],
     },
 }
