@@ -4,7 +4,7 @@ use super::blend::{rise, risen};
 use super::pattern::{Gait, LEGS};
 
 /// A change of gait takes so many of the longer cycle. With three, each leg's clock goes forward
-/// at more than a quarter of its pace, whatever the change: offsets go half a cycle and
+/// at more than a tenth of its pace, whatever the change: offsets go half a cycle and
 /// the duty 0.85 at most, each at up to 15/8 of their mean rate.
 const CYCLES_OF_A_CHANGE: f64 = 3.0;
 
@@ -133,8 +133,7 @@ impl Rhythm {
 
 /// When a clock that goes forward comes to a number, not before `from`.
 ///
-/// The clock goes at a quarter of some frequency or more, and `ahead` is a guess of how long it
-/// takes.
+/// The clock goes forward, and `ahead` is a guess of how long it takes, in s.
 pub fn when(clock: impl Fn(f64) -> f64, number: f64, from: f64, ahead: f64) -> f64 {
     if clock(from) >= number {
         return from;
