@@ -13,6 +13,9 @@
 //! | `two_pass` | the quickest timing that keeps velocities and accelerations |
 //! | `jerk_limited` | a timing that keeps jerks too |
 //! | `timed` | both together: where each axis is when |
+//! | `knots` | the same for a stream to the axes |
+//! | `picture` | the same as SVG |
+//! | `peak` | the greatest of what is seen at places only |
 //! | `planar` | one segment in the plane, from a heading and speed to another |
 //! | `error` | why a path cannot be had |
 
@@ -20,6 +23,9 @@ pub mod bounds;
 pub mod error;
 pub mod file;
 mod jerk_limited;
+pub mod knots;
+mod peak;
+pub mod picture;
 pub mod planar;
 pub mod shape;
 pub mod timed;

@@ -153,11 +153,16 @@ pub enum PathError {
         /// The longest that was tried, in seconds.
         longest: f64,
     },
-    /// A start or end that is no start or end.
+    /// The axes' limits are too low to stream at this pace.
     #[error(
-        "a speed at an end is not 0, but an axis cannot stream it: leave out --v0 and --v1 with --run"
+        "a path sent as a knot every {period} s cannot keep the limits of axis {axis}: raise its limits, or give waypoints that are farther apart"
     )]
-    RunInMotion,
+    NoKnots {
+        /// The axis.
+        axis: u8,
+        /// From knot to knot, in seconds.
+        period: f64,
+    },
     /// More rows than anybody wants.
     #[error(
         "--dt {step} s makes {rows:.0} rows of a path of {duration} s: name a step that makes at most {most}"

@@ -7,8 +7,9 @@
 //! corner alone.
 
 use super::error::PathError;
+use super::peak::Peak;
 use super::shape::Point;
-use super::two_pass::Task;
+use super::two_pass::{NOISE, Task};
 use canter_shared::motion::bounds::Bounds;
 use canter_shared::motion::s_curve;
 use canter_shared::motion::segments::Segments;
@@ -18,6 +19,8 @@ use canter_shared::motion::trajectory::{Sample, Trajectory};
 const ROUGH: usize = 300;
 /// Points of the curve that is taken.
 const FINE: usize = 8000;
+/// The fewest points between two places where it is not smooth.
+const EACH: usize = 4;
 /// Shares of the parameter's velocity and acceleration that are tried, relative to what suits the
 /// path where it is hardest.
 const SHARES: [f64; 5] = [4.0, 2.0, 1.0, 0.5, 0.25];
@@ -41,7 +44,9 @@ pub fn solve(task: &Task<'_>) -> Result<Segments, PathError> {
         }
     }
     let (_, limits) = best.ok_or(PathError::NoTiming)?;
-    let (curve, _) = slowed(task, limits, FINE).ok_or(PathError::NoTiming)?;
+    // More where there are many waypoints.
+    let points = FINE.max(20 * task.shape.knots().len());
+    let (curve, _) = slowed(task, limits, points).ok_or(PathError::NoTiming)?;
     Ok(curve)
 }
 
@@ -70,7 +75,7 @@ fn slowed(task: &Task<'_>, limits: [f64; 3], points: usize) -> Option<(Segments,
         let limits = [v / slower, a / slower.powi(2), j / slower.powi(3)];
         let curve = curve(task, limits)?;
         let needed = needed(task, &curve, points);
-        if needed <= 1.0 {
+        if needed <= 1.0 + NOISE {
             return Some((curve, limits));
         }
         // With an end in motion a slower curve is not the same one, stretched.
@@ -101,58 +106,91 @@ fn pace(points: &[Point]) -> f64 {
 
 /// How many times as long a curve must last.
 fn needed(task: &Task<'_>, curve: &Segments, points: usize) -> f64 {
-    let mut over = [0.0_f64; 3];
-    let duration = curve.duration();
-    let mut waypoint = 0;
-    let even = (0..=points).map(|index| (duration * index as f64 / points as f64, 0.0));
-    // Jerk steps at the ends of the pieces, and so it is greatest there.
-    let corners = curve.segments().iter().flat_map(|piece| {
-        let inside = piece.duration * 1e-9;
-        [piece.start + inside, piece.start + piece.duration - inside].map(|time| (time, 1.0))
-    });
-    for (time, corner) in even.chain(corners) {
-        let sample = curve.at(time);
-        let seen = task.shape.at(sample.position);
-        let mut speed = 0.0;
-        let (mut change, mut turn) = (0.0, 0.0);
-        for (point, bounds) in seen.iter().zip(task.axes) {
-            let [v, a, j] = rates(point, &sample);
-            speed += v * v;
-            change += v * a;
-            turn += j * j;
-            over[0] = over[0].max(v.abs() / bounds.velocity);
-            over[1] = over[1].max(a.abs() / bounds.acceleration);
-            over[2] = over[2].max(j.abs() / bounds.jerk);
+    let knots = passing(task, curve);
+    // Between these all is smooth.
+    let mut breaks: Vec<f64> = curve.segments().iter().map(|piece| piece.start).collect();
+    breaks.extend(&knots);
+    breaks.push(curve.duration());
+    breaks.sort_by(f64::total_cmp);
+    let each = (points / breaks.len()).max(EACH);
+    let mut peaks = vec![[Peak::default(); 3]; task.axes.len() + 1];
+    for pair in breaks.windows(2) {
+        let (from, length) = (pair[0], pair[1] - pair[0]);
+        if length <= 0.0 {
+            continue;
         }
-        let speed = f64::sqrt(speed);
-        if let Some(limit) = task.path.velocity {
-            over[0] = over[0].max(speed / limit);
-        }
-        let limit = if change >= 0.0 {
-            task.path.acceleration
-        } else {
-            task.path.meant_deceleration()
-        };
-        if let Some(limit) = limit.filter(|_| speed > 0.0) {
-            over[1] = over[1].max(change.abs() / speed / limit);
-        }
-        if let Some(limit) = task.path.jerk {
-            over[2] = over[2].max(f64::sqrt(turn) / limit);
-        }
-        // In the order of time only: the speed over each waypoint that has been passed.
-        while corner == 0.0
-            && let Some(knot) = task.shape.knots().get(waypoint)
-            && *knot <= sample.position
-        {
-            if let Some(Some(limit)) = task.speeds.get(waypoint) {
-                let rate = pace(&task.shape.at(*knot)) * sample.velocity;
-                over[0] = over[0].max(rate / limit);
-            }
-            waypoint += 1;
+        let middle = curve.at(from + length / 2.0);
+        let segment = task.shape.segment(middle.position);
+        peaks.iter_mut().flatten().for_each(Peak::restart);
+        for place in 0..=each {
+            // A little inside: at the very ends the jerk may be that of the neighbour.
+            let share = (place as f64 / each as f64).clamp(1e-9, 1.0 - 1e-9);
+            let sample = curve.at(from + length * share);
+            let seen = task.shape.within(segment, sample.position);
+            measure(task, &seen, &sample, &mut peaks);
         }
     }
-    let [v, a, j] = over;
-    v.max(a.sqrt()).max(j.cbrt())
+    let mut over = 0.0_f64;
+    for (waypoint, speed) in task.speeds.iter().enumerate() {
+        if let Some(speed) = speed {
+            let sample = curve.at(knots[waypoint]);
+            over = over.max(pace(&task.shape.at(sample.position)) * sample.velocity / speed);
+        }
+    }
+    for [v, a, j] in &peaks {
+        let needed = v.most().max(a.most().sqrt()).max(j.most().cbrt());
+        over = over.max(needed);
+    }
+    over
+}
+
+/// When the curve passes each waypoint.
+fn passing(task: &Task<'_>, curve: &Segments) -> Vec<f64> {
+    let mut since = 0.0;
+    let times = task.shape.knots().iter().map(|knot| {
+        let (mut early, mut late) = (since, curve.duration());
+        for _ in 0..60 {
+            let middle = (early + late) / 2.0;
+            if curve.at(middle).position < *knot {
+                early = middle;
+            } else {
+                late = middle;
+            }
+        }
+        since = early;
+        early
+    });
+    times.collect()
+}
+
+/// By how much velocity, acceleration and jerk exceed their limits at one place.
+fn measure(task: &Task<'_>, seen: &[Point], sample: &Sample, peaks: &mut [[Peak; 3]]) {
+    let (mut speed, mut change, mut turn) = (0.0, 0.0, 0.0);
+    for ((point, bounds), peaks) in seen.iter().zip(task.axes).zip(&mut *peaks) {
+        let [v, a, j] = rates(point, sample);
+        speed += v * v;
+        change += v * a;
+        turn += j * j;
+        peaks[0].push(v.abs() / bounds.velocity);
+        peaks[1].push(a.abs() / bounds.acceleration);
+        peaks[2].push(j.abs() / bounds.jerk);
+    }
+    let speed = f64::sqrt(speed);
+    let along = &mut peaks[seen.len()];
+    if let Some(limit) = task.path.velocity {
+        along[0].push(speed / limit);
+    }
+    let limit = if change >= 0.0 {
+        task.path.acceleration
+    } else {
+        task.path.meant_deceleration()
+    };
+    if let Some(limit) = limit.filter(|_| speed > 0.0) {
+        along[1].push(f64::abs(change) / speed / limit);
+    }
+    if let Some(limit) = task.path.jerk {
+        along[2].push(f64::sqrt(turn) / limit);
+    }
 }
 
 /// Velocity, acceleration and jerk of an axis.

@@ -6,14 +6,16 @@ use super::jerk_limited::{self, rates};
 use super::shape::Shape;
 use super::two_pass::{Node, Task};
 use super::waypoints::Waypoints;
+use crate::profile::table::MOST_ROWS;
 use canter_shared::motion::bounds::LARGEST;
 use canter_shared::motion::segments::Segments;
 use canter_shared::motion::trajectory::{Sample, Trajectory};
 
 /// Places of each segment at which the travel is looked at.
 const PLACES: usize = 200;
-/// Places in time at which peaks are measured.
+/// Places in time at which peaks are measured, and the fewest for each segment.
 const INSTANTS: usize = 10_000;
+const EACH: usize = 20;
 
 /// How the parameter runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -54,7 +56,7 @@ pub struct Share {
 #[derive(Debug, Clone, PartialEq)]
 enum Law {
     Nodes(Vec<Node>),
-    Curve(Segments),
+    Curve(Box<Segments>),
 }
 
 /// A path that is timed.
@@ -71,9 +73,6 @@ pub struct TimedPath {
 /// # Errors
 /// Limits and speeds out of range, a curve that leaves an axis's travel, start and end speeds that the
 /// limits do not allow.
-///
-/// # Panics
-/// Never: there must be bounds for each axis, and what is missing is refused as a count.
 pub fn plan(waypoints: &Waypoints, request: &Request) -> Result<TimedPath, PathError> {
     let axes = waypoints.axes();
     if request.axes.len() != axes.len() {
@@ -106,7 +105,7 @@ pub fn plan(waypoints: &Waypoints, request: &Request) -> Result<TimedPath, PathE
     };
     let law = match request.timing {
         Timing::TwoPass => Law::Nodes(task.solve()?),
-        Timing::SCurve => Law::Curve(jerk_limited::solve(&task)?),
+        Timing::SCurve => Law::Curve(Box::new(jerk_limited::solve(&task)?)),
     };
     Ok(TimedPath {
         shape,
@@ -172,9 +171,29 @@ impl TimedPath {
         self
     }
 
-    /// When the path passes a parameter of its shape by the law of its nodes, in s; 0 before the
-    /// start.
-    pub fn samples(&self, step: f64) -> impl Iterator<Item = (f64, Vec<Sample>)> + '_ {
+    /// Each axis every `step` seconds, and at the end exactly: the last step may be shorter.
+    ///
+    /// # Errors
+    /// A step that makes more than [`MOST_ROWS`].
+    pub fn rows(
+        &self,
+        step: f64,
+    ) -> Result<impl Iterator<Item = (f64, Vec<Sample>)> + '_, PathError> {
+        let duration = self.duration();
+        let rows = duration / step + 1.0;
+        // A NaN is no number of rows.
+        if step > 0.0 && rows <= MOST_ROWS as f64 {
+            return Ok(self.samples(step));
+        }
+        Err(PathError::TooManyRows {
+            step,
+            duration,
+            rows,
+            most: MOST_ROWS,
+        })
+    }
+
+    fn samples(&self, step: f64) -> impl Iterator<Item = (f64, Vec<Sample>)> + '_ {
         let duration = self.duration();
         let count = (duration / step - 1e-9).ceil().max(1.0) as usize;
         // A step of 0.001 s is a thousandth: dividing by 1000 gives the times that people write.
@@ -217,8 +236,9 @@ impl TimedPath {
     pub fn shares(&self, bounds: &[AxisBounds]) -> Vec<Share> {
         let duration = self.duration();
         let mut peaks = vec![[0.0_f64; 3]; bounds.len()];
-        for instant in 0..=INSTANTS {
-            let time = duration * instant as f64 / INSTANTS as f64;
+        let instants = INSTANTS.max(EACH * self.shape.knots().len());
+        for instant in 0..=instants {
+            let time = duration * instant as f64 / instants as f64;
             for (peak, sample) in peaks.iter_mut().zip(self.at(time)) {
                 let rates = [sample.velocity, sample.acceleration, sample.jerk];
                 for (peak, rate) in peak.iter_mut().zip(rates) {

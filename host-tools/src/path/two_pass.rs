@@ -11,18 +11,21 @@
 
 use super::bounds::{AxisBounds, PathBounds};
 use super::error::PathError;
+use super::peak::Peak;
 use super::shape::{Point, Shape};
 
 /// Steps of a whole path, about.
 const STEPS: usize = 3000;
 /// The fewest and most steps from waypoint to waypoint.
-const EACH: (usize, usize) = (8, 1000);
+const EACH: (usize, usize) = (16, 1000);
 /// How often what is over is taken off.
 const ROUNDS: usize = 20;
 /// Places within a step at which limits are measured, both ends among them.
 const PLACES: usize = 5;
 /// What rounding may add.
 const ROUNDING: f64 = 1e-9;
+/// By how much a limit that is just kept may seem to be broken.
+pub const NOISE: f64 = 1e-12;
 
 /// A node of the timing.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -122,12 +125,12 @@ impl Task<'_> {
         for _ in 0..ROUNDS {
             let nodes = self.pass(&grid, &shares)?;
             let over = self.over(&nodes);
-            if over.iter().flatten().all(|over| *over <= 1.0) {
+            if over.iter().flatten().all(|over| *over <= 1.0 + NOISE) {
                 return Ok(nodes);
             }
             for (share, over) in shares.iter_mut().zip(&over) {
                 for (share, over) in share.iter_mut().zip(over) {
-                    if *over > 1.0 {
+                    if *over > 1.0 + NOISE {
                         *share /= over * (1.0 + ROUNDING);
                     }
                 }
@@ -239,10 +242,11 @@ impl Task<'_> {
 
     /// By how much each limit is exceeded at most: 1 is just kept.
     fn over(&self, nodes: &[Node]) -> Vec<[f64; 2]> {
-        let mut over = vec![[0.0_f64; 2]; self.axes.len() + 1];
+        let mut peaks = vec![[Peak::default(); 2]; self.axes.len() + 1];
         for pair in nodes.windows(2) {
             let length = pair[1].parameter - pair[0].parameter;
             let second = pair[0].second;
+            peaks.iter_mut().flatten().for_each(Peak::restart);
             for place in 0..PLACES {
                 let ahead = length * place as f64 / (PLACES - 1) as f64;
                 let square = (pair[0].square + 2.0 * second * ahead).max(0.0);
@@ -250,15 +254,15 @@ impl Task<'_> {
                     .shape
                     .within(pair[0].segment, pair[0].parameter + ahead);
                 let rate = square.sqrt();
-                for ((over, point), bounds) in over.iter_mut().zip(&points).zip(self.axes) {
+                for ((peaks, point), bounds) in peaks.iter_mut().zip(&points).zip(self.axes) {
                     let acceleration = point.first * second + point.second * square;
-                    over[0] = over[0].max((point.first * rate).abs() / bounds.velocity);
-                    over[1] = over[1].max(acceleration.abs() / bounds.acceleration);
+                    peaks[0].push((point.first * rate).abs() / bounds.velocity);
+                    peaks[1].push(acceleration.abs() / bounds.acceleration);
                 }
                 let (along, bend) = pace(&points);
-                let over = &mut over[points.len()];
+                let peaks = &mut peaks[points.len()];
                 if let Some(limit) = self.path.velocity {
-                    over[0] = over[0].max(along * rate / limit);
+                    peaks[0].push(along * rate / limit);
                 }
                 let change = along * second + bend * square;
                 let limit = if change >= 0.0 {
@@ -267,11 +271,12 @@ impl Task<'_> {
                     self.path.meant_deceleration()
                 };
                 if let Some(limit) = limit {
-                    over[1] = over[1].max(change.abs() / limit);
+                    peaks[1].push(change.abs() / limit);
                 }
             }
         }
-        over
+        let most = peaks.iter().map(|peaks| peaks.map(|peak| peak.most()));
+        most.collect()
     }
 }
 

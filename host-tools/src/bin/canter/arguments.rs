@@ -1,9 +1,11 @@
 //! The command line's shape.
 
 mod param;
+mod path;
 mod profile;
 
 pub use param::{Param, ParamAction, ParamSet};
+pub use path::{Path, PathFormat};
 pub use profile::{Compare, CompareFormat, Plan, PlanFormat, ShaperArgument};
 
 use canter::bus::{Address, AddressError};
@@ -77,6 +79,8 @@ pub enum Verb {
     Param(Param),
     /// Plan one move of one axis, offline, in units of your own.
     Plan(Plan),
+    /// Time a path through waypoints within every axis's limits; with --run, move along it.
+    Path(Path),
     /// Show the profiles side by side for one move: durations, peaks, vibration.
     Compare(Compare),
     /// Prove the promise: random robots, commands, hostile traffic and faults, in virtual time.

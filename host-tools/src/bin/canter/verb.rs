@@ -5,6 +5,7 @@ mod demo;
 mod r#move;
 mod node;
 mod param;
+mod path;
 mod plan;
 mod power;
 mod scan;
@@ -33,6 +34,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         Verb::Estop(list) => stop::emergency(&context, &list.axes),
         Verb::Move(request) => r#move::run(&context, &request),
         Verb::Plan(request) => plan::run(&context, &request),
+        Verb::Path(request) => path::run(&context, &request),
         Verb::Compare(request) => compare::run(&context, &request),
         Verb::Soak(request) => soak::run(&context, &request),
     }
