@@ -4,12 +4,14 @@ mod foot;
 mod gait;
 mod leg;
 mod param;
+mod path;
 mod profile;
 
 pub use foot::{Foot, FootFormat};
 pub use gait::{GaitAction, GaitArguments, GaitFormat, GaitPlan};
 pub use leg::{LegAction, LegArguments};
 pub use param::{Param, ParamAction, ParamSet};
+pub use path::{Path, PathFormat};
 pub use profile::{Compare, CompareFormat, Plan, PlanFormat, ShaperArgument};
 
 use canter::bus::{Address, AddressError};
@@ -83,6 +85,8 @@ pub enum Verb {
     Param(Param),
     /// Plan one move of one axis, offline, in units of your own.
     Plan(Plan),
+    /// Time a path through waypoints within every axis's limits; with --run, move along it.
+    Path(Path),
     /// Show the profiles side by side for one move: durations, peaks, vibration.
     Compare(Compare),
     /// Show a foot's cycle, or all presets of it side by side.

@@ -8,6 +8,7 @@ mod leg;
 mod r#move;
 mod node;
 mod param;
+mod path;
 mod plan;
 mod power;
 mod scan;
@@ -36,6 +37,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         Verb::Estop(list) => stop::emergency(&context, &list.axes),
         Verb::Move(request) => r#move::run(&context, &request),
         Verb::Plan(request) => plan::run(&context, &request),
+        Verb::Path(request) => path::run(&context, &request),
         Verb::Compare(request) => compare::run(&context, &request),
         Verb::Foot(request) => foot::run(&context, &request),
         Verb::Gait(request) => gait::run(&context, &request.action),
