@@ -38,8 +38,8 @@ impl Motion {
     /// asked where the limits ask for it.
     ///
     /// # Errors
-    /// A target outside the travel, or one that can only be reached through outside: stop first. A
-    /// duration that is too long.
+    /// A target outside the travel, or one that can only be reached through outside, or by passing
+    /// the velocity limit: stop first. A duration that is too long.
     pub fn start_from(
         now: Tick,
         state: Setpoint,
@@ -60,6 +60,9 @@ impl Motion {
             target,
             nearest: target,
         };
+        if asked.is_smooth() && overshoots(&commanded, limits) {
+            return Err(outside);
+        }
         lead(&mut chain, &commanded, asked, limits).ok_or(outside)?;
         let motion = Self::of(state, now, &chain).ok_or(outside)?;
         let end = chain.end;
@@ -81,4 +84,19 @@ pub(super) fn passes(state: &Setpoint, limits: &Limits, times: f64, margin: f64)
     let released = state.velocity.counts() as f64 + gained;
     let most = limits.velocity().counts() as f64 - margin;
     acceleration != 0.0 && released.abs() > most
+}
+
+/// Whether a smooth way on would pass the velocity limit, where the state itself does not.
+///
+/// A stop that has been made with more jerk than the limit, and a stream, come to accelerations that
+/// the jerk limit takes too long to take back. The tolerance is what rounding a state to counts makes
+/// of a motion that comes to the limit just so: a count of acceleration for a / j seconds.
+pub(super) fn overshoots(commanded: &Commanded, limits: &Limits) -> bool {
+    let state = &commanded.state;
+    let above = (state.velocity.abs() - limits.velocity()).counts() as f64;
+    if commanded.steps || above > ROUNDING_MARGIN {
+        return false;
+    }
+    let seconds = (state.acceleration.counts() as f64).abs() / limits.jerk().counts() as f64;
+    passes(state, limits, 1.0, -ROUNDING_MARGIN * (1.0 + seconds))
 }

@@ -33,6 +33,13 @@ pub struct Move {
     pub profile: Profile,
 }
 
+impl Move {
+    /// Whether its jerk is limited.
+    pub(super) fn is_smooth(&self) -> bool {
+        matches!(self.profile, Profile::Beta | Profile::SCurve)
+    }
+}
+
 /// A move that was taken on: when it starts and when it has arrived.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Planned {

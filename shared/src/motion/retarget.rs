@@ -3,6 +3,7 @@
 use super::beta::Beta;
 use super::chain::{Chain, turns};
 use super::depart::{inside, shortest};
+use super::passing::overshoots;
 use super::smooth::Commanded;
 use super::{Motion, Move, OVERLAID_MOVES, PlanError, Planned, Profile};
 use super::{overlay, smooth, trapezoid};
@@ -33,6 +34,9 @@ impl Motion {
         // Where there is no room for what goes on until `start`, it leaves at once.
         for start in [start, now] {
             let commanded = self.commanded(start);
+            if asked.is_smooth() && overshoots(&commanded, limits) {
+                break;
+            }
             let mut chain = Chain::new(start, commanded.state.position.counts());
             let Some(()) = lead(&mut chain, &commanded, asked, limits) else {
                 break;

@@ -110,3 +110,34 @@ fn what_cannot_be_is_refused() {
     };
     assert!(Motion::start_from(START, at(0), asked, &limits).is_err());
 }
+
+/// A stop that is harder than the jerk limit, for the sake of the velocity limit, is under way: no
+/// s-curve can lead on from its accelerations, so the axis rests first.
+#[test]
+fn an_s_curve_in_the_middle_of_a_hard_stop_passes_no_velocity_limit() {
+    let limits = Limits::new(&LimitValues {
+        jerk: 100.0,
+        ..DEFAULT_VALUES
+    })
+    .expect("in range");
+    let state = Setpoint {
+        position: Position::ZERO,
+        velocity: Velocity::from_radians(10.0).expect("in range"),
+        acceleration: Acceleration::from_radians(100.0).expect("in range"),
+    };
+    let stop = Motion::stop_from(START, state, &limits).expect("there is room");
+    let end = stop.end().expect("it moves");
+    let asked = Move {
+        target: Position::from_radians(100.0).expect("in range"),
+        duration: Ticks(10),
+        profile: Profile::SCurve,
+    };
+    for tick in START.0..end.0 {
+        let mut motion = stop.clone();
+        let now = Tick(tick);
+        let planned = motion.start(now, now, asked, &limits).expect("in reach");
+        let fastest = (tick..=planned.end.0).map(|tick| motion.at(Tick(tick)).velocity.abs());
+        assert!(fastest.max() <= Some(limits.velocity()), "{tick}");
+        assert_eq!(motion.at(planned.end).position, asked.target);
+    }
+}

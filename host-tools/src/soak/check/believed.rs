@@ -70,8 +70,9 @@ pub(super) struct Believed {
     triggers: [Option<Frame>; REMEMBERED],
     /// The last trigger that the axis has answered, however many it has passed over since.
     answered: Option<Frame>,
-    /// When the holder was last heard.
+    /// When the holder was last heard; and where doubt leaves two answers, the earlier one.
     heard: TrueTime,
+    heard_for_certain: TrueTime,
     /// Times since then that the node's clock was set anew: each may round to the next tick.
     steps: u64,
     /// A release may have come too early, and the session may still hold the axis.
@@ -95,6 +96,7 @@ impl Believed {
             triggers: [None; REMEMBERED],
             answered: None,
             heard: TrueTime(0),
+            heard_for_certain: TrueTime(0),
             steps: 0,
             doubt: false,
             numbered_in_doubt: false,
@@ -129,7 +131,7 @@ impl Believed {
     }
 
     fn hear(&mut self, now: TrueTime) {
-        (self.heard, self.steps) = (now, 0);
+        (self.heard, self.heard_for_certain, self.steps) = (now, now, 0);
     }
 
     /// Nanoseconds by which an axis may count a silence of the time-out wrongly.
@@ -277,12 +279,15 @@ impl Believed {
             }
             Some(_) if !self.doubt => false,
             _ => {
-                self.numbered_in_doubt |= self.doubt;
-                if !self.doubt {
-                    self.holder = Some(session);
-                }
                 self.number = Some(sequence);
-                self.hear(now);
+                if self.doubt {
+                    // Whoever holds the axis may have been released before, or may refuse this.
+                    self.numbered_in_doubt = true;
+                    self.heard = now;
+                } else {
+                    self.holder = Some(session);
+                    self.hear(now);
+                }
                 true
             }
         }
@@ -337,7 +342,10 @@ impl Believed {
                 }
                 Ok(())
             }
-            (Some(_), None) if silence + self.inexact() >= self.host_timeout => {
+            (Some(_), None)
+                if now.time.0.saturating_sub(self.heard_for_certain.0) + self.inexact()
+                    >= self.host_timeout =>
+            {
                 self.holder = None;
                 self.enable = false;
                 Ok(())
