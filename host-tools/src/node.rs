@@ -201,7 +201,8 @@ fn transmit(
     bus: &mut impl Bus,
     summary: &mut Summary,
 ) -> Result<(), HostNodeError> {
-    while let Some(frame) = node.poll_transmit(LocalTime(bus.now().0)) {
+    let now = LocalTime(bus.now().0);
+    while let Some(frame) = node.poll_transmit(now) {
         match bus.send(&frame) {
             Ok(()) => {}
             // The axes go on without: their host will miss them and stop beating.

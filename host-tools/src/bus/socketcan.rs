@@ -229,7 +229,8 @@ impl Bus for SocketCan {
     fn send(&mut self, frame: &Frame) -> Result<(), BusError> {
         let kernel_frame = CanFrame::new(EmbeddedFrame::id(frame), frame.data())
             .expect("a frame has at most 8 bytes");
-        let started = monotonic_time();
+        // When it was first refused: looking at the clock is a call of the system on some machines.
+        let mut refused = None;
         loop {
             let cause = match self.socket.write_frame(&kernel_frame) {
                 Ok(()) => return Ok(()),
@@ -241,7 +242,8 @@ impl Bus for SocketCan {
                 Some(Errno::ENOBUFS | Errno::EAGAIN) => {}
                 _ => return Err(self.failed("send", cause)),
             }
-            let waited = Duration::from_micros(monotonic_time().0.saturating_sub(started.0));
+            let now = monotonic_time().0;
+            let waited = Duration::from_micros(now - *refused.get_or_insert(now));
             if waited >= SEND_LIMIT {
                 return Err(BusError::SendQueueFull {
                     bus: self.description(),

@@ -5,13 +5,14 @@ use canter_shared::axis::fault::Fault;
 use canter_shared::axis::state::State;
 use canter_shared::limits::Limits;
 use canter_shared::wire::command::{Action, Command as Word};
+use canter_shared::wire::frame::Frame;
 use canter_shared::wire::id::{Address, Function};
 use canter_shared::wire::layout::{LAYOUTS, Sender};
 use canter_shared::wire::reason::Reason;
 use canter_shared::wire::report::Report;
 use canter_tests::{PATIENCE, measurement};
 use nix::sys::socket::{MsgFlags, MultiHeaders, sendmmsg};
-use socketcan::{CanSocket, Socket, SocketOptions};
+use socketcan::{CanFilter, CanSocket, EmbeddedFrame, Frame as _, Socket, SocketOptions};
 use std::collections::BTreeSet;
 use std::io::IoSlice;
 use std::os::fd::AsRawFd;
@@ -29,8 +30,10 @@ const RATE: u64 = 10_000;
 /// An emergency stop is answered within this.
 const ANSWER: Duration = Duration::from_millis(10);
 
-/// Stops that must have been answered for the figures to mean something.
-const LEAST_ANSWERS: usize = 3;
+/// Stops that must have been answered for the figures to mean something: where they are not by then, it
+/// lasts up to so many times as long.
+const LEAST_ANSWERS: usize = 20;
+const LONGER: u32 = 4;
 
 /// A stop that is not answered after this is one that met a fault.
 const MISSED: Duration = Duration::from_millis(500);
@@ -143,6 +146,43 @@ impl Flood {
     }
 }
 
+/// Sees emergency stops and faults, each at the time at which the kernel had it on the bus: how long a
+/// test waits for the processor is not in it.
+struct Witness(CanSocket);
+
+impl Witness {
+    fn new(bus: &str) -> Self {
+        let socket = CanSocket::open(bus).expect("the bus is up");
+        let filters = [Function::EmergencyStop, Function::Fault]
+            .map(|function| CanFilter::new(u32::from(u8::from(function)) << 6, 0x7C0));
+        socket.set_filters(&filters).expect("filters");
+        socket.set_recv_timestamp(true).expect("times");
+        socket.set_nonblocking(true).expect("a socket");
+        Self(socket)
+    }
+
+    /// From the last emergency stop to when the last of `axes` told that it had met it.
+    fn answer(&self, axes: usize) -> Option<Duration> {
+        let (mut asked, mut told) = (None, None);
+        let mut stopped = BTreeSet::new();
+        while let Ok((frame, time)) = self.0.read_frame_with_timestamp() {
+            let frame = Frame::new(frame.raw_id() as u16, frame.data())?;
+            if let Ok(Some((_, Word::EmergencyStop))) = Word::decode(&frame) {
+                asked = Some(time);
+                stopped.clear();
+            } else if let Ok(Some((from, Report::Fault { fault, .. }))) = Report::decode(&frame)
+                && fault == u8::from(Fault::EmergencyStop)
+                && stopped.insert(from)
+            {
+                told = Some(time);
+            }
+        }
+        told.filter(|_| stopped.len() == axes)?
+            .duration_since(asked?)
+            .ok()
+    }
+}
+
 /// Kilobytes of memory that a process has (`man proc_pid_status`, VmRSS).
 fn memory(process: u32) -> u64 {
     let status = std::fs::read_to_string(format!("/proc/{process}/status")).expect("it runs");
@@ -155,7 +195,12 @@ fn memory(process: u32) -> u64 {
 }
 
 /// Takes, clears and enables an axis, however often a forged command comes between or takes it away.
-fn enable(host: &mut ByHand, id: u8) {
+///
+/// It hears that axis alone: what all of them answer to thousands of forged commands would keep it from
+/// hearing its own answers in time.
+fn enable(bus: &'static str, id: u8) {
+    let heard = [Function::Acknowledgement, Function::Heartbeat];
+    let mut host = ByHand::hearing_one(bus, axis(id), &heard);
     let given_up = Instant::now() + PATIENCE;
     let mut state = None;
     while state != Some(State::OperationEnabled) {
@@ -180,15 +225,19 @@ fn enable(host: &mut ByHand, id: u8) {
 #[test]
 fn a_flood_of_forged_frames_breaks_no_limit_and_holds_off_no_emergency_stop() {
     let robot = Robot::start("vcan8");
-    let mut host = ByHand::hearing(robot.bus, &[Function::Acknowledgement, Function::Heartbeat]);
+    let mut host = ByHand::hearing(robot.bus, &[]);
     for id in 1..=3 {
-        enable(&mut host, id);
+        enable(robot.bus, id);
     }
     let flood = Flood::start(robot.bus);
     let begin = Instant::now();
     let mut early = None;
     let (mut answers, mut missed) = (Vec::new(), 0);
-    while begin.elapsed() < LASTS {
+    let goes_on = |answered| {
+        let lasted = begin.elapsed();
+        lasted < LASTS || answered < LEAST_ANSWERS && lasted < LONGER * LASTS
+    };
+    while goes_on(answers.len()) {
         // Let it be moved by the forged moves for a while.
         host.beat_for(Duration::from_millis(700));
         if early.is_none() && begin.elapsed() > LASTS / 6 {
@@ -196,6 +245,7 @@ fn a_flood_of_forged_frames_breaks_no_limit_and_holds_off_no_emergency_stop() {
         }
         // One that hears nothing else, so that nothing else delays it.
         let mut bystander = ByHand::hearing(robot.bus, &[Function::Fault]);
+        let witness = Witness::new(robot.bus);
         let sent = Instant::now();
         bystander.send(Address::All, Word::EmergencyStop);
         let mut stopped = BTreeSet::new();
@@ -209,13 +259,13 @@ fn a_flood_of_forged_frames_breaks_no_limit_and_holds_off_no_emergency_stop() {
             stopped.len() == 3 || Instant::now() >= given_up
         });
         if stopped.len() == 3 {
-            answers.push(sent.elapsed());
+            answers.push(witness.answer(3).expect("it saw what the bystander saw"));
         } else {
             // One that had a fault already, because this test beat too late, says nothing.
             missed += 1;
         }
         for id in 1..=3 {
-            enable(&mut host, id);
+            enable(robot.bus, id);
         }
     }
     let late = memory(robot.process());
@@ -228,9 +278,7 @@ fn a_flood_of_forged_frames_breaks_no_limit_and_holds_off_no_emergency_stop() {
         answers[at].as_secs_f64() * 1e3
     };
     let (middle, worst) = (milliseconds(50), milliseconds(100));
-    // Shown, not asserted: how long it takes depends on the machine.
     let is_late = middle > ANSWER.as_secs_f64() * 1e3;
-    let late_answer = if is_late { ", missed" } else { "" };
     let grown = late.saturating_sub(early.expect("it lasted"));
     measurement(
         "vcan",
@@ -242,7 +290,7 @@ fn a_flood_of_forged_frames_breaks_no_limit_and_holds_off_no_emergency_stop() {
         "vcan",
         "flood: emergency stop answered within",
         &format!("{middle:.2} ms, worst of {} {worst:.2} ms", answers.len()),
-        &format!("<= 10 ms{late_answer}"),
+        "<= 10 ms",
     );
     measurement(
         "vcan",
@@ -255,5 +303,7 @@ fn a_flood_of_forged_frames_breaks_no_limit_and_holds_off_no_emergency_stop() {
     assert!(trace.moved(), "the forged moves moved nothing");
     assert!(rate >= 0.9 * RATE as f64, "{rate} frames a second");
     assert!(answers.len() >= LEAST_ANSWERS, "{missed} stops missed");
+    // The worst is shown, and is the machine's: now and then it has something else to do.
+    assert!(!is_late, "half of the stops took longer than {middle} ms");
     assert!(grown <= 512, "{grown} kB");
 }

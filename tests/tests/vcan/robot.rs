@@ -152,6 +152,18 @@ impl ByHand {
         by_hand
     }
 
+    /// The same, whom nothing but what one axis says of these kinds reaches.
+    pub fn hearing_one(bus: &'static str, axis: AxisId, functions: &[Function]) -> Self {
+        let by_hand = Self::new(bus);
+        let id = |function: &Function| u32::from(u8::from(*function)) << 6 | u32::from(axis.get());
+        let filters: Vec<_> = functions
+            .iter()
+            .map(|function| CanFilter::new(id(function), 0x7FF))
+            .collect();
+        by_hand.socket.set_filters(&filters).expect("filters");
+        by_hand
+    }
+
     /// The same, with can-utils' own cansend for every frame; a process for each takes its time.
     pub fn with_cansend(bus: &'static str) -> Self {
         Self {
