@@ -12,7 +12,7 @@
 pub mod compare;
 pub mod cycle;
 pub mod error;
-mod law;
+pub(crate) mod law;
 pub mod preset;
 pub mod step;
 

@@ -1,13 +1,14 @@
 //! One cycle of one foot.
 
-use super::error::{FootError, Range};
+use super::error::FootError;
 use super::preset::{Preset, curves};
 use super::step::Step;
 use crate::leg::FootMotion;
+use crate::notation::Range;
 use canter_shared::motion::bezier::Bezier;
 use canter_shared::motion::trajectory::Trajectory;
 
-use super::law::Law;
+use super::law::BUMP;
 
 /// What a foot is asked to do. Lengths are in m, and the ranges are those of [`Cycle::new`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -109,7 +110,6 @@ pub(super) enum Curve {
     Bump {
         base: f64,
         height: f64,
-        law: Law,
         duration: f64,
     },
 }
@@ -139,10 +139,9 @@ impl Curve {
             Self::Bump {
                 base,
                 height,
-                law,
                 duration,
             } => {
-                let [value, velocity, acceleration] = law.at(time / duration);
+                let [value, velocity, acceleration] = BUMP.at(time / duration);
                 [
                     base + height * value,
                     height * velocity / duration,

@@ -7,9 +7,16 @@
 //! a height of 1, where 64 u^3 (1 - u)^3 needs 24, and the least 16.
 
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::sync::LazyLock;
+
+/// From 0 to 1: the modified trapezoid, with ramps of an eighth.
+pub(crate) static WAY: LazyLock<Law> = LazyLock::new(Law::way);
+
+/// From 0 up to 1 at u = 1/2 and back, the same in both directions.
+pub(crate) static BUMP: LazyLock<Law> = LazyLock::new(Law::bump);
 
 /// Value, first and second derivative by u.
-pub(super) type Derivatives = [f64; 3];
+pub(crate) type Derivatives = [f64; 3];
 
 /// A stretch of a law: the acceleration is `middle * cos(rate * (u - start) + phase)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,7 +54,7 @@ impl Piece {
 
 /// A law over u from 0 to 1, at rest and without acceleration at both ends.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Law {
+pub(crate) struct Law {
     pieces: Vec<Piece>,
     /// What makes the pieces' extent 1.
     scale: f64,
@@ -56,8 +63,7 @@ pub(super) struct Law {
 }
 
 impl Law {
-    /// From 0 to 1: the modified trapezoid, with ramps of an eighth.
-    pub(super) fn way() -> Self {
+    fn way() -> Self {
         const RAMP: f64 = 0.125;
         let hold = 0.5 - 2.0 * RAMP;
         let mut law = Self::empty();
@@ -72,8 +78,7 @@ impl Law {
         law
     }
 
-    /// From 0 up to 1 at u = 1/2 and back, the same in both directions.
-    pub(super) fn bump() -> Self {
+    fn bump() -> Self {
         const RAMP: f64 = 1.0 / 16.0;
         // Up to the middle: ramp, hold, ramp to the other side in two, hold. The velocity is 0 in the
         // middle where the areas of both signs are equal, and a ramp has 2 / pi of a hold's area.
@@ -150,7 +155,7 @@ impl Law {
     }
 
     /// Value, velocity and acceleration by u; before 0 and after 1 the law rests.
-    pub(super) fn at(&self, u: f64) -> Derivatives {
+    pub(crate) fn at(&self, u: f64) -> Derivatives {
         if u <= 0.0 {
             return [0.0; 3];
         }

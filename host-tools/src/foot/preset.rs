@@ -5,7 +5,6 @@
 
 use super::cycle::{Curve, CycleRequest, Motion};
 use super::error::FootError;
-use super::law::Law;
 use super::step::Step;
 use crate::leg::FootMotion;
 use canter_shared::motion::bezier::Bezier;
@@ -113,7 +112,6 @@ pub(super) fn curves(
                 z: Box::new(Curve::Bump {
                     base: ground,
                     height: -request.stance,
-                    law: Law::bump(),
                     duration: stance_duration,
                 }),
             };

@@ -1,8 +1,9 @@
 //! One step through the air.
 
-use super::error::{FootError, Range};
-use super::law::Law;
+use super::error::FootError;
+use super::law::{BUMP, WAY};
 use crate::leg::FootMotion;
+use crate::notation::Range;
 use canter_shared::motion::polynomial::Quintic;
 use canter_shared::motion::trajectory::{Sample, Trajectory};
 
@@ -56,8 +57,6 @@ const DURATION: Range = Range {
 #[derive(Debug, Clone)]
 pub struct Step {
     coordinates: [Coordinate; 3],
-    way: Law,
-    bump: Law,
     height: f64,
     duration: f64,
 }
@@ -94,8 +93,6 @@ impl Step {
         });
         let mut step = Self {
             coordinates: [x?, y?, z?],
-            way: Law::way(),
-            bump: Law::bump(),
             height: 0.0,
             duration,
         };
@@ -119,7 +116,7 @@ impl Step {
             self.duration.recip(),
             (self.duration * self.duration).recip(),
         ];
-        let (way, bump) = (self.way.at(u), self.bump.at(u));
+        let (way, bump) = (WAY.at(u), BUMP.at(u));
         let mut motion = FootMotion::default();
         let out = [
             &mut motion.position,

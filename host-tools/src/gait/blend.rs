@@ -24,19 +24,6 @@ pub fn risen(share: f64) -> f64 {
     cube * u * (2.5 + u * (u - 3.0)) + (share - 1.0).max(0.0)
 }
 
-/// A way up and down again from 0 to 1 to 0, with neither rate nor acceleration at the ends:
-/// 64 u^3 (1 - u)^3 with its first two derivatives.
-pub fn bump(share: f64) -> [f64; 3] {
-    let u = share.clamp(0.0, 1.0);
-    let hill = u * (1.0 - u);
-    let slope = 1.0 - 2.0 * u;
-    [
-        64.0 * hill * hill * hill,
-        192.0 * hill * hill * slope,
-        384.0 * hill * (slope * slope - hill),
-    ]
-}
-
 #[derive(Debug, Clone, Copy)]
 struct Change {
     start: f64,

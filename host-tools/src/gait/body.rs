@@ -1,6 +1,7 @@
 //! What the body is asked to do.
 
-use super::error::{GaitError, Range};
+use super::error::GaitError;
+use crate::notation::Range;
 
 /// What the body is asked to do.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,14 +61,14 @@ impl Body {
         around("the yaw rate", "rad/s", 10.0, "turn slower").check(self.yaw_rate)?;
         around("roll", "rad", 1.0, "lean less").check(self.roll)?;
         around("pitch", "rad", 1.0, "lean less").check(self.pitch)?;
-        Range {
+        let height = Range {
             field: "the height",
             unit: "m",
             least: 0.01,
             most: 5.0,
             cure: "give it in m, such as 0.18",
-        }
-        .check(self.height)
+        };
+        Ok(height.check(self.height)?)
     }
 
     pub(super) fn values(&self) -> [f64; 6] {

@@ -1,10 +1,11 @@
 //! A whole walk offline: start, cycles, stop; its peaks.
 
 use super::body::Body;
-use super::error::{GaitError, Range};
+use super::error::GaitError;
 use super::pattern::{Gait, LEG_NAMES, LEGS};
 use super::planner::{Planner, State};
 use super::quadruped::Quadruped;
+use crate::notation::Range;
 
 /// Rows that a walk may make at most.
 const MOST_ROWS: usize = 1_000_000;

@@ -2,6 +2,7 @@
 
 use crate::foot::FootError;
 use crate::leg::LegError;
+use crate::notation::OutOfRange;
 use crate::plot::PlotError;
 use thiserror::Error;
 
@@ -9,21 +10,8 @@ use thiserror::Error;
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum GaitError {
     /// A number out of its range.
-    #[error("{field} is {value} {unit}: it must be from {least} to {most} {unit}; {cure}")]
-    Value {
-        /// What it is.
-        field: &'static str,
-        /// What was given.
-        value: f64,
-        /// Its unit.
-        unit: &'static str,
-        /// The least that is possible.
-        least: f64,
-        /// The most.
-        most: f64,
-        /// What to do.
-        cure: &'static str,
-    },
+    #[error(transparent)]
+    Value(#[from] OutOfRange),
     /// A gait whose steps would be too short or too long to be made.
     #[error(
         "a foot would be {swing} s in the air in each cycle: it must be from {least} to {most} s; \
@@ -129,40 +117,7 @@ impl GaitError {
     pub fn is_usage(&self) -> bool {
         matches!(
             self,
-            Self::Value { .. } | Self::Swing { .. } | Self::Rows { .. } | Self::Standing
+            Self::Value(_) | Self::Swing { .. } | Self::Rows { .. } | Self::Standing
         )
-    }
-}
-
-/// What a number may be.
-pub(super) struct Range {
-    pub field: &'static str,
-    pub unit: &'static str,
-    pub least: f64,
-    pub most: f64,
-    pub cure: &'static str,
-}
-
-impl Range {
-    pub fn check(&self, value: f64) -> Result<(), GaitError> {
-        // A NaN is in no range.
-        if (self.least..=self.most).contains(&value) {
-            return Ok(());
-        }
-        let Self {
-            field,
-            unit,
-            least,
-            most,
-            cure,
-        } = *self;
-        Err(GaitError::Value {
-            field,
-            value,
-            unit,
-            least,
-            most,
-            cure,
-        })
     }
 }

@@ -1,6 +1,7 @@
 //! The gaits by name: who lifts when, and for how long.
 
-use super::error::{GaitError, Range};
+use super::error::GaitError;
+use crate::notation::Range;
 
 /// How many legs walk.
 pub const LEGS: usize = 4;

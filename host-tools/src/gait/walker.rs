@@ -1,7 +1,7 @@
 //! One foot on the ground or above it.
 
-use super::blend::bump;
 use crate::foot::Step;
+use crate::foot::law::BUMP;
 use crate::leg::FootMotion;
 
 #[derive(Debug, Clone)]
@@ -45,7 +45,7 @@ impl Walker {
                     ..FootMotion::default()
                 };
                 if *push > 0.0 {
-                    let [down, rate, acceleration] = bump((time - since) / push);
+                    let [down, rate, acceleration] = BUMP.at((time - since) / push);
                     motion.position[2] = -depth * down;
                     motion.velocity[2] = -depth * rate / push;
                     motion.acceleration[2] = -depth * acceleration / (push * push);

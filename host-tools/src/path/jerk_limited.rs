@@ -8,7 +8,7 @@
 
 use super::error::PathError;
 use super::peak::Peak;
-use super::shape::Point;
+use super::shape::{Point, pace};
 use super::two_pass::{NOISE, Task};
 use canter_shared::motion::bounds::Bounds;
 use canter_shared::motion::s_curve;
@@ -100,10 +100,6 @@ fn curve(task: &Task<'_>, [v, a, j]: [f64; 3]) -> Option<Segments> {
     s_curve::plan(from, to, &bounds).ok()
 }
 
-fn pace(points: &[Point]) -> f64 {
-    points.iter().map(|p| p.first * p.first).sum::<f64>().sqrt()
-}
-
 /// How many times as long a curve must last.
 fn needed(task: &Task<'_>, curve: &Segments, points: usize) -> f64 {
     let knots = passing(task, curve);
@@ -167,7 +163,7 @@ fn passing(task: &Task<'_>, curve: &Segments) -> Vec<f64> {
 fn measure(task: &Task<'_>, seen: &[Point], sample: &Sample, peaks: &mut [[Peak; 3]]) {
     let (mut speed, mut change, mut turn) = (0.0, 0.0, 0.0);
     for ((point, bounds), peaks) in seen.iter().zip(task.axes).zip(&mut *peaks) {
-        let [v, a, j] = rates(point, sample);
+        let [v, a, j] = point.rates(sample);
         speed += v * v;
         change += v * a;
         turn += j * j;
@@ -191,21 +187,4 @@ fn measure(task: &Task<'_>, seen: &[Point], sample: &Sample, peaks: &mut [[Peak;
     if let Some(limit) = task.path.jerk {
         along[2].push(f64::sqrt(turn) / limit);
     }
-}
-
-/// Velocity, acceleration and jerk of an axis.
-pub fn rates(point: &Point, sample: &Sample) -> [f64; 3] {
-    let Sample {
-        velocity,
-        acceleration,
-        jerk,
-        ..
-    } = sample;
-    [
-        point.first * velocity,
-        point.second * velocity * velocity + point.first * acceleration,
-        point.third * velocity.powi(3)
-            + 3.0 * point.second * velocity * acceleration
-            + point.first * jerk,
-    ]
 }

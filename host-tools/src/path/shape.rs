@@ -9,6 +9,7 @@
 
 use super::error::PathError;
 use super::waypoints::Waypoints;
+use canter_shared::motion::trajectory::Sample;
 
 /// Position and its derivatives by the parameter, of one axis.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -21,6 +22,30 @@ pub struct Point {
     pub second: f64,
     /// By u three times; steps at a waypoint with a heading.
     pub third: f64,
+}
+
+impl Point {
+    /// Velocity, acceleration and jerk of an axis where the parameter runs like this.
+    pub fn rates(&self, law: &Sample) -> [f64; 3] {
+        let Sample {
+            velocity,
+            acceleration,
+            jerk,
+            ..
+        } = law;
+        [
+            self.first * velocity,
+            self.second * velocity * velocity + self.first * acceleration,
+            self.third * velocity.powi(3)
+                + 3.0 * self.second * velocity * acceleration
+                + self.first * jerk,
+        ]
+    }
+}
+
+/// The length of the first derivative of all axes: how far the path goes by u.
+pub fn pace(points: &[Point]) -> f64 {
+    points.iter().map(|p| p.first * p.first).sum::<f64>().sqrt()
 }
 
 /// First and second derivative at a waypoint.
@@ -126,11 +151,13 @@ fn evaluate(piece: &[f64; 6], s: f64, length: f64) -> Point {
 
 /// The coefficients of s^3 to s^5 of the quintic over a length of one.
 fn upper(distance: f64, [v0, a0]: Slope, [v1, a1]: Slope) -> [f64; 3] {
-    [
-        10.0 * distance - 6.0 * v0 - 4.0 * v1 - 1.5 * a0 + 0.5 * a1,
-        -15.0 * distance + 8.0 * v0 + 7.0 * v1 + 1.5 * a0 - a1,
-        6.0 * distance - 3.0 * (v0 + v1) - 0.5 * (a0 - a1),
-    ]
+    let known = [distance, v0, a0, v1, a1];
+    UPPER.map(|row| {
+        row.iter()
+            .zip(known)
+            .map(|(part, value)| part * value)
+            .sum()
+    })
 }
 
 /// What the coefficients of s^3 to s^5 are, by distance and the slopes at both ends.

@@ -2,7 +2,7 @@
 
 use super::bounds::{AxisBounds, PathBounds};
 use super::error::PathError;
-use super::jerk_limited::{self, rates};
+use super::jerk_limited;
 use super::shape::Shape;
 use super::two_pass::{Node, Task};
 use super::waypoints::Waypoints;
@@ -221,7 +221,7 @@ impl TimedPath {
         let points = self.shape.within(segment, law.position);
         let slower = 1.0 / self.stretch;
         let samples = points.iter().map(|point| {
-            let [velocity, acceleration, jerk] = rates(point, &law);
+            let [velocity, acceleration, jerk] = point.rates(&law);
             Sample {
                 position: point.position,
                 velocity: velocity * slower,

@@ -12,7 +12,7 @@
 use super::bounds::{AxisBounds, PathBounds};
 use super::error::PathError;
 use super::peak::Peak;
-use super::shape::{Point, Shape};
+use super::shape::{Point, Shape, pace};
 
 /// Steps of a whole path, about.
 const STEPS: usize = 3000;
@@ -74,8 +74,8 @@ struct Limits {
 type Shares = Vec<[f64; 2]>;
 
 /// The length of the first derivative, and how it changes by u.
-fn pace(points: &[Point]) -> (f64, f64) {
-    let length = points.iter().map(|p| p.first * p.first).sum::<f64>().sqrt();
+fn bent(points: &[Point]) -> (f64, f64) {
+    let length = pace(points);
     let change: f64 = points.iter().map(|p| p.first * p.second).sum();
     let bend = if length > 0.0 { change / length } else { 0.0 };
     (length, bend)
@@ -97,7 +97,7 @@ impl Task<'_> {
             });
             cap = cap.min(fastest(bounds.velocity * velocity, point.first));
         }
-        let (along, bend) = pace(points);
+        let (along, bend) = bent(points);
         let [velocity, acceleration] = shares[points.len()];
         if let Some(limit) = self.path.velocity {
             cap = cap.min(fastest(limit * velocity, along));
@@ -161,7 +161,7 @@ impl Task<'_> {
         for (waypoint, speed) in self.speeds.iter().enumerate() {
             if let Some(speed) = speed {
                 let (parameter, segment) = grid[waypoint * each];
-                let (length, _) = pace(&self.shape.within(segment, parameter));
+                let length = pace(&self.shape.within(segment, parameter));
                 caps[waypoint * each] = caps[waypoint * each].min((speed / length).powi(2));
             }
         }
@@ -184,9 +184,9 @@ impl Task<'_> {
         let last = grid.len() - 1;
         let wanted = |speed: f64, node: usize| match speed {
             0.0 => 0.0,
-            speed => (speed / pace(&points[node]).0).powi(2),
+            speed => (speed / pace(&points[node])).powi(2),
         };
-        let speed = |square: f64, node: usize| square.sqrt() * pace(&points[node]).0;
+        let speed = |square: f64, node: usize| square.sqrt() * pace(&points[node]);
         let end_too_fast = |square: f64| PathError::EndOutOfReach {
             speed: self.end_speed,
             fastest: speed(square, last),
@@ -259,7 +259,7 @@ impl Task<'_> {
                     peaks[0].push((point.first * rate).abs() / bounds.velocity);
                     peaks[1].push(acceleration.abs() / bounds.acceleration);
                 }
-                let (along, bend) = pace(&points);
+                let (along, bend) = bent(&points);
                 let peaks = &mut peaks[points.len()];
                 if let Some(limit) = self.path.velocity {
                     peaks[0].push(along * rate / limit);
