@@ -66,7 +66,7 @@ impl Body {
             unit: "m",
             least: 0.01,
             most: 5.0,
-            cure: "give it in m, such as 0.18",
+            cure: "give it in m, such as 0.3",
         };
         Ok(height.check(self.height)?)
     }

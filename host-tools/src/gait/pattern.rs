@@ -71,7 +71,7 @@ impl Kind {
         let (offsets, period, duty) = match self {
             Self::Stand => return None,
             Self::Walk => ([0.0, 0.5, 0.75, 0.25], 1.2, 0.75),
-            Self::Trot => ([0.0, 0.5, 0.5, 0.0], 0.6, 0.5),
+            Self::Trot => ([0.0, 0.5, 0.5, 0.0], 0.4, 0.5),
             Self::Pace => ([0.5, 0.0, 0.5, 0.0], 0.6, 0.5),
             Self::Bound => ([0.0, 0.0, 0.5, 0.5], 0.6, 0.5),
             Self::Pronk => ([0.0; LEGS], 0.6, 0.5),

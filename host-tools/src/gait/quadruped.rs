@@ -72,7 +72,7 @@ pub struct Quadruped {
 impl Quadruped {
     /// The hips above the ground where nobody says otherwise, in m: the assumed robot's knees are
     /// well bent there.
-    pub const HEIGHT: f64 = 0.18;
+    pub const HEIGHT: f64 = 0.3;
 
     /// The legs of a robot, each known by where its hip is.
     ///
