@@ -1,6 +1,11 @@
 //! Twelve axes of the simulated robot are led along knots, and what happens when the bus or the
 //! host does not keep up.
 
+/// Here so that the file lies in a folder of its own.
+mod streaming {
+    mod losses;
+}
+
 use canter::bus::{Bus, BusError, Received};
 use canter::client::{Client, ClientError, Pace, StreamKnot};
 use canter::sim::{Configuration, Record, SimulatedBus};
