@@ -32,6 +32,7 @@ mod request;
 mod stream;
 
 pub use assign::{ChipId, ChipIdError};
+pub(crate) use beacon::{HEARTBEAT_PERIOD, SYNC_PERIOD};
 pub use error::ClientError;
 pub use known::{KnownAxis, KnownNode};
 pub use movement::{Arrival, Progress};

@@ -12,6 +12,7 @@
 //! | [`profile`] | moves of one axis offline: planned, compared, drawn |
 //! | [`path`] | ways through waypoints, timed within limits |
 //! | [`foot`], [`leg`], [`gait`] | a foot's cycle, a leg's joints, a robot's steps |
+//! | [`walk`] | a robot that walks on a bus |
 //! | [`notation`] | how people write axes and quantities |
 //! | [`demo`] | the demonstration |
 //! | [`log`], [`plot`] | recordings and reports |
@@ -34,6 +35,7 @@ pub mod profile;
 pub mod robot;
 pub mod sim;
 pub mod soak;
+pub mod walk;
 
 /// The version of this crate: major, minor, patch.
 pub fn version() -> [u8; 3] {

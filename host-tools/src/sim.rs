@@ -27,7 +27,7 @@
 //! What is not simulated: propagation on the cable, errors within error frames, overload frames,
 //! and the 11 recessive bits that a controller waits when it is switched on.
 
-mod bits;
+pub(crate) mod bits;
 mod chance;
 mod clock;
 mod contest;

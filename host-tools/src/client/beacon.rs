@@ -17,7 +17,7 @@ use canter_shared::wire::id::Address;
 /// Nodes send their reports right after whole milliseconds. SYNCs at whole milliseconds too would
 /// meet the same report again and again and come late each time. So each is earlier in its
 /// millisecond than the one before by 1 - 0.618, the golden section, which spreads them evenly.
-const SYNC_PERIOD: u64 = 19_618;
+pub(crate) const SYNC_PERIOD: u64 = 19_618;
 
 /// Between the first SYNCs: quick, so that the nodes' clocks settle before the first move.
 const FIRST_SYNC_PERIOD: u64 = 3_618;
@@ -28,7 +28,7 @@ const FIRST_SYNCS: u32 = 128;
 const SETTLING_SYNCS: u64 = 64;
 
 /// Between two host heartbeats: five within the axes' time-out of 250 ms.
-const HEARTBEAT_PERIOD: u64 = 50 * MILLISECOND;
+pub(crate) const HEARTBEAT_PERIOD: u64 = 50 * MILLISECOND;
 
 /// Silence of another host's SYNC after which this one takes over: before the nodes, which wait
 /// for 0.5 s, take to anybody.

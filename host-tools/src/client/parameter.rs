@@ -162,27 +162,30 @@ impl<B: Bus> Client<B> {
             .collect())
     }
 
-    /// The robot that these axes are by their own limits; what a node does not know is the default.
+    /// The robot that these axes are by their own limits, and how often they report; what a node does
+    /// not know is the default.
     ///
     /// # Errors
     /// An axis that does not answer.
     pub fn read_robot(&mut self, axes: &[AxisId]) -> Result<Robot, ClientError> {
-        const LIMITS: [Parameter; 6] = [
+        const WANTED: [Parameter; 8] = [
             Parameter::VelocityLimit,
             Parameter::AccelerationLimit,
             Parameter::DecelerationLimit,
             Parameter::JerkLimit,
             Parameter::PositionMinimum,
             Parameter::PositionMaximum,
+            Parameter::FeedbackPeriod,
+            Parameter::HeartbeatPeriod,
         ];
         let questions: Vec<Question> = axes
             .iter()
-            .flat_map(|axis| LIMITS.map(|parameter| (*axis, parameter, Item::Value)))
+            .flat_map(|axis| WANTED.map(|parameter| (*axis, parameter, Item::Value)))
             .collect();
         let answers = self.ask_values(&questions)?;
-        let robot = axes.iter().zip(answers.chunks(LIMITS.len()));
+        let robot = axes.iter().zip(answers.chunks(WANTED.len()));
         let robot = robot.map(|(axis, answers)| {
-            let known = LIMITS.into_iter().zip(answers);
+            let known = WANTED.into_iter().zip(answers);
             let known = known.filter_map(|(parameter, raw)| Some((parameter, (*raw)?)));
             RobotAxis {
                 id: *axis,

@@ -2,6 +2,7 @@
 
 use super::error::PathError;
 use crate::robot::Robot;
+use canter_shared::limits::Limits;
 use canter_shared::motion::bounds::{LARGEST, SMALLEST};
 use canter_shared::wire::id::AxisId;
 
@@ -24,17 +25,19 @@ pub struct AxisBounds {
 impl AxisBounds {
     /// What a robot's axes may do, in this order.
     pub fn of(robot: &Robot, axes: &[AxisId]) -> Vec<Self> {
-        let bounds = axes.iter().map(|axis| {
-            let limits = robot.limits(*axis);
-            Self {
-                velocity: limits.velocity().radians(),
-                acceleration: limits.slower_acceleration().radians(),
-                jerk: limits.jerk().radians(),
-                minimum: limits.position_minimum().radians(),
-                maximum: limits.position_maximum().radians(),
-            }
-        });
-        bounds.collect()
+        let bounds = |axis: &AxisId| Self::of_limits(&robot.limits(*axis));
+        axes.iter().map(bounds).collect()
+    }
+
+    /// What an axis of these limits may do.
+    pub fn of_limits(limits: &Limits) -> Self {
+        Self {
+            velocity: limits.velocity().radians(),
+            acceleration: limits.slower_acceleration().radians(),
+            jerk: limits.jerk().radians(),
+            minimum: limits.position_minimum().radians(),
+            maximum: limits.position_maximum().radians(),
+        }
     }
 
     /// The same travel with this share of the rates, above 0 to 1.

@@ -75,28 +75,52 @@ fn at(path: &TimedPath, index: usize, count: usize, period: f64) -> Vec<StreamKn
     knots.collect()
 }
 
-/// By how much the cubics break limits at most, as a factor of time, and which axis's.
-fn over(knots: &[Vec<StreamKnot>], bounds: &[AxisBounds], period: f64) -> (f64, usize) {
+/// The greatest velocity and acceleration of something, in rad/s and rad/s^2.
+pub(crate) struct Rates {
+    pub(crate) velocity: f64,
+    pub(crate) acceleration: f64,
+}
+
+/// What the cubic between two knots comes to.
+pub(crate) fn cubic_peaks(from: &StreamKnot, to: &StreamKnot, period: f64) -> Rates {
+    let mean = (to.position - from.position) / period;
+    let start = (6.0 * mean - 4.0 * from.velocity - 2.0 * to.velocity) / period;
+    let end = (-6.0 * mean + 2.0 * from.velocity + 4.0 * to.velocity) / period;
+    let mut velocity = from.velocity.abs().max(to.velocity.abs());
+    if start * end < 0.0 {
+        let turn = start / (start - end);
+        let there = from.velocity + period * turn * (start + turn * (end - start) / 2.0);
+        velocity = velocity.max(there.abs());
+    }
+    let acceleration = start.abs().max(end.abs());
+    Rates {
+        velocity,
+        acceleration,
+    }
+}
+
+/// What cubics may come to, with room for what the wire rounds off.
+pub(crate) fn usable(bounds: &AxisBounds, period: f64) -> Rates {
     // Two positions, each off by a step, as the stream's own documentation counts it.
     let step = 2.0 * Position::from_counts(POSITION_STEP.counts()).radians();
     let velocity_room = step * 15.0 / 8.0 / period;
     let acceleration_room = step * 10.0 / 3.0_f64.sqrt() / period.powi(2);
     let usable = |limit: f64, room: f64| (limit * USABLE - room).max(limit / 2.0);
+    Rates {
+        velocity: usable(bounds.velocity, velocity_room),
+        acceleration: usable(bounds.acceleration, acceleration_room),
+    }
+}
+
+/// By how much the cubics break limits at most, as a factor of time, and which axis's.
+fn over(knots: &[Vec<StreamKnot>], bounds: &[AxisBounds], period: f64) -> (f64, usize) {
+    let usable: Vec<Rates> = bounds.iter().map(|one| usable(one, period)).collect();
     let mut worst = (0.0, 0);
     for pair in knots.windows(2) {
-        for (axis, ((from, to), bounds)) in pair[0].iter().zip(&pair[1]).zip(bounds).enumerate() {
-            let mean = (to.position - from.position) / period;
-            let start = (6.0 * mean - 4.0 * from.velocity - 2.0 * to.velocity) / period;
-            let end = (-6.0 * mean + 2.0 * from.velocity + 4.0 * to.velocity) / period;
-            let mut velocity = from.velocity.abs().max(to.velocity.abs());
-            if start * end < 0.0 {
-                let turn = start / (start - end);
-                let there = from.velocity + period * turn * (start + turn * (end - start) / 2.0);
-                velocity = velocity.max(there.abs());
-            }
-            let acceleration = start.abs().max(end.abs());
-            let over = (velocity / usable(bounds.velocity, velocity_room))
-                .max((acceleration / usable(bounds.acceleration, acceleration_room)).sqrt());
+        for (axis, ((from, to), usable)) in pair[0].iter().zip(&pair[1]).zip(&usable).enumerate() {
+            let peaks = cubic_peaks(from, to, period);
+            let over = (peaks.velocity / usable.velocity)
+                .max((peaks.acceleration / usable.acceleration).sqrt());
             if over > worst.0 {
                 worst = (over, axis);
             }

@@ -13,6 +13,7 @@
 //! place = [0.19, 0.11, 0.0]  # m; the hip in the body: forward, left, up
 //! ```
 
+use super::Robot;
 use crate::leg::{FiveBar, FiveBarLengths, Leg, LegError, Serial, SerialLengths, in_range};
 use canter_shared::wire::id::AxisId;
 use serde::Deserialize;
@@ -62,6 +63,17 @@ impl RobotLeg {
     /// The joint angles with the axes at these positions, in rad.
     pub fn joints(&self, positions: [f64; 3]) -> [f64; 3] {
         [0, 1, 2].map(|joint: usize| self.signs[joint] * (positions[joint] - self.offsets[joint]))
+    }
+}
+
+impl Robot {
+    /// The same legs, moved by the axes of another robot, such as one that was read from its nodes.
+    #[must_use]
+    pub fn with_axes_of(&self, other: &Self) -> Self {
+        Self {
+            axes: other.axes.clone(),
+            legs: self.legs.clone(),
+        }
     }
 }
 

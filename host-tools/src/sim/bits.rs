@@ -113,6 +113,15 @@ pub(super) fn length(frame: &Frame) -> u32 {
     bits.count + bits.stuffed() + TAIL
 }
 
+/// Bits of the longest frame of so many bytes, the space to the next frame included: of those that may
+/// be stuffed, every fourth after the first has a stuff bit behind it.
+pub(crate) const fn longest(bytes: u8) -> u32 {
+    // Start, identifier, RTR, IDE and r0, length.
+    let head = 1 + 11 + 3 + 4;
+    let stuffed = head + 8 * bytes as u32 + CRC_BITS;
+    stuffed + (stuffed - 1) / (RUN - 1) + TAIL + INTERFRAME
+}
+
 /// The first bit, counted from 0 and without stuff bits, at which two frames differ.
 pub(super) fn first_difference(one: &Frame, other: &Frame) -> Option<u32> {
     let (one, other) = (stuffed_part(one), stuffed_part(other));
@@ -188,6 +197,18 @@ mod tests {
             .collect();
         assert_eq!(bits(&worst).stuffed(), 24);
         assert_eq!(98 + 24 + TAIL + INTERFRAME, 135);
+    }
+
+    #[test]
+    fn no_frame_is_longer_than_the_longest() {
+        assert_eq!(longest(8), 135);
+        let mut random = SplitMix64::new(3);
+        for bytes in 0..=8 {
+            let data = 0x1E1E_1E1E_1E1E_1E1E_u64.to_le_bytes();
+            assert!(with_interframe(0x78, &data[..usize::from(bytes)]) <= longest(bytes));
+            let data = random.next().to_le_bytes();
+            assert!(with_interframe(0x078, &data[..usize::from(bytes)]) <= longest(bytes));
+        }
     }
 
     #[test]
