@@ -6,7 +6,7 @@
 //! stream ends.
 
 use super::link::{MILLISECOND, after};
-use super::{Client, ClientError};
+use super::{Client, ClientError, KnownAxis};
 use crate::bus::Bus;
 use canter_shared::motion::stream::LOOK_AHEAD;
 use canter_shared::time::{BusTime, Tick, Ticks};
@@ -26,9 +26,6 @@ const LATENCY: u64 = 20 * MILLISECOND;
 
 /// How much later than its last knot a stream may end until it counts as lost.
 const GRACE: u64 = 2_000 * MILLISECOND;
-
-/// Silence after which an axis counts as lost: its feedback comes every 20 ms.
-const SILENCE: u64 = 500 * MILLISECOND;
 
 /// Knots are numbered from 0 to 63.
 const NUMBERS: u64 = 64;
@@ -306,6 +303,15 @@ impl<B: Bus> Client<B> {
     /// Looks at what the axes said about their knots, and for trouble.
     fn hear_answers(&mut self, stream: &mut Stream) -> Result<(), ClientError> {
         let now = self.bus.now();
+        let is_silent = |known: &KnownAxis| now > after(known.heard, known.silence());
+        let axes = stream
+            .sent
+            .iter()
+            .filter_map(|sent| self.axes.get(&sent.axis));
+        if axes.clone().any(is_silent) {
+            // This host may have been held up, and what they said waits to be read.
+            self.catch_up()?;
+        }
         let (first, following) = (stream.first, stream.following());
         let timing = stream.timing;
         for sent in &mut stream.sent {
@@ -313,7 +319,7 @@ impl<B: Bus> Client<B> {
             let Some(known) = self.axes.get_mut(&axis) else {
                 continue;
             };
-            if now > after(known.heard, SILENCE) {
+            if is_silent(known) {
                 let bus = self.bus.description();
                 return Err(ClientError::NoAnswer { axis, bus });
             }
