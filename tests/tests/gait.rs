@@ -4,6 +4,7 @@
 mod gait {
     mod continuity;
     mod output;
+    mod run;
 
     use canter_tests::process::{Finished, Process};
     use std::process::Command;
