@@ -5,6 +5,7 @@ mod gait {
     mod continuity;
     mod lossy;
     mod output;
+    mod run;
 
     use canter_tests::process::{Finished, Process};
     use std::process::Command;

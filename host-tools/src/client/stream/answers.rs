@@ -10,9 +10,6 @@ use canter_shared::time::BusTime;
 use canter_shared::wire::id::Function;
 use canter_shared::wire::reason::Reason;
 
-/// Silence after which an axis counts as lost: its feedback comes every 20 ms.
-const SILENCE: u64 = 500 * MILLISECOND;
-
 /// How often a refused knot is sent again: what was sent again may be lost too.
 const MOST_ASKED: u32 = 3;
 
@@ -20,17 +17,23 @@ impl<B: Bus> Client<B> {
     /// Looks at what the axes said about their knots, and for trouble.
     pub(super) fn hear_answers(&mut self, stream: &mut Stream) -> Result<(), ClientError> {
         let now = self.bus.now();
+        let is_silent = |known: &KnownAxis| now > after(known.heard, known.silence());
+        let mut led = stream.sent.iter();
+        if led.any(|sent| self.axes.get(&sent.axis).is_some_and(is_silent)) {
+            // This host may have been held up, and what they said waits to be read.
+            self.catch_up()?;
+        }
         for index in 0..stream.sent.len() {
             let axis = stream.sent[index].axis;
             let Some(known) = self.axes.get_mut(&axis) else {
                 continue;
             };
-            if let Some(fault) = known.fault {
-                return Err(ClientError::Faulted { axis, fault });
-            }
-            if now > after(known.heard, SILENCE) {
+            if is_silent(known) {
                 let bus = self.bus.description();
                 return Err(ClientError::NoAnswer { axis, bus });
+            }
+            if let Some(fault) = known.fault {
+                return Err(ClientError::Faulted { axis, fault });
             }
             for answer in answers(known) {
                 stream.hear(index, answer, now)?;
