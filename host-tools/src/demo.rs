@@ -61,7 +61,7 @@ pub struct Performance {
     pub axes: Vec<AxisId>,
     /// The moves that arrived.
     pub moves: Vec<Performed>,
-    /// The walk; none where the robot has not four legs.
+    /// The walk; none where the robot cannot walk.
     pub walk: Option<Walk>,
     /// When the last move was stopped on its way, and when all axes rested.
     pub stopped: (Tick, Tick),
@@ -71,6 +71,8 @@ pub struct Performance {
     pub samples: Samples,
     /// How much the bus carried.
     pub load: Load,
+    /// Where all chance came from.
+    pub seed: u64,
 }
 
 fn goals(axes: &[AxisId], angle: impl Fn(usize) -> f64) -> Vec<Goal> {
@@ -170,6 +172,7 @@ pub fn perform(
         frames: std::mem::take(&mut recorder.frames),
         samples: recorder.into_samples(),
         load,
+        seed: configuration.seed,
     })
 }
 

@@ -6,7 +6,7 @@ mod report {
     mod scene;
 }
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::LazyLock;
 
@@ -17,14 +17,18 @@ use tempfile::TempDir;
 /// A report as the demonstration writes it.
 static REPORT: LazyLock<(TempDir, PathBuf)> = LazyLock::new(|| {
     let directory = tempfile::tempdir().expect("a directory");
-    let out = directory.path().join("demo");
-    let mut demo = Command::new(canter_tests::canter());
-    demo.env_remove("CANTER_CAN")
-        .args(["demo", "--out"])
-        .arg(&out);
-    Process::spawn(&mut demo).finish().success();
-    (directory, out.join("report.html"))
+    let report = demo(&[], &directory.path().join("demo"));
+    (directory, report)
 });
+
+/// Runs the demonstration, and where its report is.
+fn demo(arguments: &[&str], out: &Path) -> PathBuf {
+    let mut demo = Command::new(canter_tests::canter());
+    demo.env_remove("CANTER_CAN").args(arguments);
+    demo.args(["demo", "--out"]).arg(out);
+    Process::spawn(&mut demo).finish().success();
+    out.join("report.html")
+}
 
 const PHONE: View = View {
     width: 390,

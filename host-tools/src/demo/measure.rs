@@ -63,16 +63,18 @@ pub(super) fn shares(sample: &Sample, robot: &Robot) -> [f64; 2] {
     ]
 }
 
-/// By how much each axis handed over its setpoint of a tick later than the first of them, in us.
+/// By how much each axis handed over its setpoint of a tick later than the first of them, in us: for ever
+/// where it had none.
 fn skews(performance: &Performance, axes: &[AxisId], tick: Tick) -> Vec<(AxisId, f64)> {
-    let times = axes.iter().filter_map(|axis| {
-        let sample = performance.samples.at(*axis, tick)?;
-        Some((*axis, sample.time.0))
-    });
-    let earliest = times.clone().map(|(_, time)| time).min().unwrap_or(0);
-    times
-        .map(|(axis, time)| (axis, (time - earliest) as f64 / 1e3))
-        .collect()
+    let time = |axis: &AxisId| {
+        performance
+            .samples
+            .at(*axis, tick)
+            .map(|sample| sample.time.0)
+    };
+    let earliest = axes.iter().filter_map(time).min().unwrap_or(0);
+    let late = |axis| time(axis).map_or(f64::INFINITY, |time| (time - earliest) as f64 / 1e3);
+    axes.iter().map(|axis| (*axis, late(axis))).collect()
 }
 
 /// The largest of some skews, in us.

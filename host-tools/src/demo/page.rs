@@ -28,19 +28,23 @@ pub fn page(
     measurements: &Measurements,
     robot: &Robot,
 ) -> Result<Report, LegError> {
-    let walks = if performance.walk.is_some() {
-        "walked at a trot, "
-    } else {
-        ""
+    let count = performance.axes.len();
+    let (walks, walked) = match performance.walk {
+        Some(_) => (", walked at a trot", "walked at a trot, "),
+        None => ("", ""),
     };
     let mut report = Report {
-        title: String::from("canter: demonstration"),
+        title: format!("canter: {count} axes on one CAN bus, moved together{walks}"),
         lead: format!(
-            "{} simulated servo axes on one CAN bus of 1 Mbit/s, each a node of its own with a crystal \
-             of its own and a motor with inertia and friction behind it: scanned, enabled, moved \
-             together, {walks}stopped in mid-move, disabled. The nodes run the firmware's own core; the same seed gives the \
-             same bytes.",
-            performance.axes.len()
+            "{count} simulated servo axes on one bus of 1 Mbit/s, each a node of its own with a crystal of \
+             its own and a motor with inertia and friction behind it: scanned, enabled, moved together, \
+             {walked}stopped in mid-move, disabled. The nodes run the firmware's own core."
+        ),
+        footer: format!(
+            "Made by canter {} with `canter demo --seed {}`; the same seed gives the same bytes. \
+             setpoints.csv has every setpoint of every axis, bus.log every frame.",
+            env!("CARGO_PKG_VERSION"),
+            performance.seed
         ),
         ..Report::default()
     };

@@ -2,7 +2,7 @@
 
 use super::Walk;
 use super::{Performance, Samples};
-use crate::gait::{LEGS, Mount};
+use crate::gait::{LEGS, Mount, Pose};
 use crate::leg::LegError;
 use crate::walk::Phase;
 use canter_shared::time::Tick;
@@ -24,6 +24,8 @@ pub struct Posture {
     pub height: f64,
     /// How far the body has gone forward, in m, as the feet on the ground say.
     pub way: f64,
+    /// Where it is on the ground, by the same feet.
+    pub pose: Pose,
 }
 
 /// The robot at every tick of its walk.
@@ -42,6 +44,7 @@ pub fn postures(performance: &Performance, walk: &Walk) -> Result<Vec<Posture>, 
             grounded: state.grounded,
             height: 0.0,
             way: 0.0,
+            pose: Pose::default(),
         };
         for (leg, mount) in walk.quadruped.mounts.iter().enumerate() {
             let axes = measured(&performance.samples, mount, tick);
@@ -69,20 +72,99 @@ fn measured(samples: &Samples, mount: &Mount, tick: Tick) -> [f64; 3] {
 }
 
 impl Posture {
-    /// Puts the body on its feet: what a foot on the ground goes backward, the body goes forward.
+    /// Puts the body on its feet: as the feet on the ground go backward and round, the body goes forward
+    /// and round the other way.
     fn settle(&mut self, before: Option<&Self>) {
-        let (mut height, mut feet) = (0.0, 0.0);
-        let (mut forward, mut steady) = (0.0, 0.0);
-        for leg in (0..LEGS).filter(|leg| self.grounded[*leg]) {
-            height -= self.feet[leg][2];
-            feet += 1.0;
-            if let Some(before) = before.filter(|before| before.grounded[leg]) {
-                forward += before.feet[leg][0] - self.feet[leg][0];
-                steady += 1.0;
-            }
+        let on: Vec<usize> = (0..LEGS).filter(|leg| self.grounded[*leg]).collect();
+        let mean = |posture: &Self, legs: &[usize], side: usize| {
+            let sum: f64 = legs.iter().map(|leg| posture.feet[*leg][side]).sum();
+            sum / legs.len() as f64
+        };
+        if on.is_empty() {
+            self.height = before.map_or(0.0, |before| before.height);
+        } else {
+            self.height = -mean(self, &on, 2);
         }
-        let before = before.map_or((0.0, 0.0), |before| (before.height, before.way));
-        self.height = if feet > 0.0 { height / feet } else { before.0 };
-        self.way = before.1 + if steady > 0.0 { forward / steady } else { 0.0 };
+        let Some(before) = before else {
+            return;
+        };
+        (self.way, self.pose) = (before.way, before.pose);
+        let mut steady = on;
+        steady.retain(|leg| before.grounded[*leg]);
+        if steady.is_empty() {
+            return;
+        }
+        // The turn that brings the feet that stay from where they were seen to where they are seen, by
+        // least squares, and the shift that is left.
+        let (was, is) = (
+            [0, 1].map(|side| mean(before, &steady, side)),
+            [0, 1].map(|side| mean(self, &steady, side)),
+        );
+        let (mut along, mut across) = (0.0, 0.0);
+        for leg in &steady {
+            let [a, b] = [(before, was), (self, is)].map(|(posture, middle)| {
+                [0, 1].map(|side| posture.feet[*leg][side] - middle[side])
+            });
+            along += a[0] * b[0] + a[1] * b[1];
+            across += a[1] * b[0] - a[0] * b[1];
+        }
+        let turned = across.atan2(along);
+        let (sin, cos) = turned.sin_cos();
+        let shift = [
+            was[0] - cos * is[0] + sin * is[1],
+            was[1] - sin * is[0] - cos * is[1],
+        ];
+        let [x, y] = before.pose.place(shift);
+        self.pose = Pose {
+            x,
+            y,
+            yaw: before.pose.yaw + turned,
+        };
+        self.way += shift[0];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Feet that stay on the ground tell how the body goes round a circle.
+    #[test]
+    fn feet_on_the_ground_tell_where_the_body_is() {
+        let places = [[0.2, 0.1], [0.2, -0.1], [-0.2, 0.1], [-0.2, -0.1]];
+        let seen_from = |pose: Pose, grounded: [bool; LEGS]| {
+            let (sin, cos) = pose.yaw.sin_cos();
+            let foot = |[x, y]: [f64; 2]| {
+                let (x, y) = (x - pose.x, y - pose.y);
+                [cos * x + sin * y, cos * y - sin * x, -0.3]
+            };
+            Posture {
+                time: 0.0,
+                phase: Phase::Walking,
+                limbs: Default::default(),
+                feet: places.map(foot),
+                grounded,
+                height: 0.0,
+                way: 0.0,
+                pose: Pose::default(),
+            }
+        };
+        let mut last: Option<Posture> = None;
+        for step in 0..=100 {
+            let yaw = 5e-3 * f64::from(step);
+            let pose = Pose {
+                x: yaw.sin(),
+                y: 1.0 - yaw.cos(),
+                yaw,
+            };
+            let pair = step % 2 == 0;
+            let mut posture = seen_from(pose, [true, pair, !pair, true]);
+            posture.settle(last.as_ref());
+            let seen = posture.pose;
+            let off = [seen.x - pose.x, seen.y - pose.y, seen.yaw - pose.yaw];
+            assert!(off.iter().all(|off| off.abs() < 1e-12), "{step}: {off:?}");
+            assert!((posture.height - 0.3).abs() < 1e-15);
+            last = Some(posture);
+        }
     }
 }

@@ -38,7 +38,7 @@ pub struct Promise {
 impl Promise {
     /// A value of it with its unit.
     pub fn shown(&self, value: f64, digits: usize) -> String {
-        let space = if self.unit.is_empty() { "" } else { " " };
+        let space = if self.unit.is_empty() { "" } else { "\u{a0}" };
         format!("{value:.digits$}{space}{}", self.unit)
     }
 
@@ -80,7 +80,7 @@ pub fn promises(measurements: &Measurements) -> Vec<Promise> {
             1e6 * DEVIATION,
             "\u{b5}rad",
             1,
-            "any joint at any of its 1 kHz ticks",
+            "any joint at any of its ticks, 1000 in a second",
         ));
     }
     let skews = moves.iter().map(|measured| measured.skew());
@@ -144,4 +144,89 @@ pub fn promises(measurements: &Measurements) -> Vec<Promise> {
         "inertia, friction, encoder; any axis at any tick",
     ));
     promises
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{MoveMeasurement, WalkMeasurement};
+    use super::*;
+    use canter_shared::time::Tick;
+    use canter_shared::wire::id::AxisId;
+
+    fn good() -> Measurements {
+        let axis = AxisId::new(1).expect("in range");
+        Measurements {
+            moves: vec![MoveMeasurement {
+                title: "a move",
+                start: Tick(0),
+                duration: 1.0,
+                skews: vec![(axis, 5.0)],
+                distance: Some(1e-9),
+                together: true,
+            }],
+            walk: Some(WalkMeasurement {
+                duration: 8.0,
+                walking: 5.0,
+                distance: 2.0,
+                turned: 0.5,
+                load: 0.25,
+                peak_load: 0.3,
+                deviation: 3e-5,
+                following: 5e-5,
+                shares: [0.3, 0.9],
+                skews: vec![(axis, 4.0)],
+                missing: 0,
+            }),
+            velocity: 1.0,
+            acceleration: 1.0,
+            outside: 0,
+            following: 1e-4,
+            stopping: 0.1,
+            load: 0.2,
+            frames: 10,
+            setpoints: 10,
+        }
+    }
+
+    /// A thing that goes wrong, and the promise that it breaks.
+    type Harm = (&'static str, fn(&mut Measurements, &mut WalkMeasurement));
+
+    #[test]
+    fn each_promise_can_be_broken_alone() {
+        let harms: [Harm; 10] = [
+            ("bus load in the trot", |_, walk| walk.load = 0.401),
+            ("trot: setpoints off their ideal curves", |_, walk| {
+                walk.deviation = 50.1e-6;
+            }),
+            ("start skew, all axes", |all, _| {
+                all.moves[0].skews[0].1 = 20.1
+            }),
+            ("start skew, all axes", |_, walk| {
+                walk.skews[0].1 = f64::INFINITY
+            }),
+            ("moves whose axes arrive apart", |all, _| {
+                all.moves[0].together = false;
+            }),
+            ("moves: setpoints off the beta curve", |all, _| {
+                all.moves[0].distance = Some(2.1e-6);
+            }),
+            ("peak velocity", |all, _| all.velocity = 1.0 + 1e-12),
+            ("peak acceleration", |all, _| all.acceleration = f64::NAN),
+            ("setpoints outside the travel", |all, _| all.outside = 1),
+            ("shafts off their setpoints", |all, _| {
+                all.following = 1.1e-3
+            }),
+        ];
+        assert!(promises(&good()).iter().all(Promise::is_kept));
+        for (what, harm) in harms {
+            let mut measured = good();
+            let mut walk = measured.walk.take().expect("it walked");
+            harm(&mut measured, &mut walk);
+            measured.walk = Some(walk);
+            let promises = promises(&measured);
+            let broken = promises.iter().filter(|promise| !promise.is_kept());
+            let broken: Vec<&str> = broken.map(|promise| promise.what).collect();
+            assert_eq!(broken, [what]);
+        }
+    }
 }

@@ -73,26 +73,30 @@ impl Orders for Script {
     }
 }
 
-/// Stands up, trots, turns on the way, sits down. None, with a word, where there are no four legs.
+/// Stands up, trots, turns on the way, sits down. None, with a word, for a robot that cannot: it has
+/// not four legs, or they do not reach so far or do not go so fast.
 ///
 /// # Errors
-/// A trot that the robot's limits do not allow, and whatever stops it.
+/// Whatever stops it on the way.
 pub(super) fn walk<B: Bus>(
     client: &mut Client<B>,
     robot: &Robot,
     say: &mut impl FnMut(&str),
 ) -> Result<Option<Walk>, WalkError> {
-    if let Err(why) = Quadruped::of(robot) {
-        say(&format!("does not walk: {why}"));
-        return Ok(None);
-    }
     let body = Body {
         vx: SPEED,
         ..Body::standing(Quadruped::HEIGHT)
     };
     let mut script = Script::new(body);
     let settings = Settings::new(Kind::Trot.gait(), body);
-    let walked = crate::walk::walk(client, robot, &settings, &mut script)?;
+    let walked = match crate::walk::walk(client, robot, &settings, &mut script) {
+        // Found out before anything moved.
+        Err(WalkError::Gait(why)) => {
+            say(&format!("does not walk: {why}"));
+            return Ok(None);
+        }
+        walked => walked?,
+    };
     for words in script.refused {
         say(&format!("an order was refused: {words}"));
     }

@@ -184,8 +184,8 @@ impl Chart {
         }
     }
 
-    /// What is to be seen in a picture that is `aspect` times as wide as it is high.
-    pub(super) fn view(&self, aspect: f64) -> View {
+    /// What the series and the levels need.
+    pub(super) fn view(&self) -> View {
         let (mut x, mut y) = (None, None);
         for series in &self.series {
             let half = match series.mark {
@@ -214,17 +214,24 @@ impl Chart {
         }
         let (least, most) = opened(y);
         let margin = (most - least) * MARGIN;
-        let mut view = View {
+        View {
             x: opened(x),
             y: (least - margin, most + margin),
             levels,
-        };
-        if self.to_scale {
-            let (width, height) = (view.x.1 - view.x.0, view.y.1 - view.y.0);
-            view.x = widened(view.x, height * aspect);
-            view.y = widened(view.y, width / aspect);
         }
-        view
+    }
+}
+
+impl View {
+    /// The same, or more of the plane, so that a unit is as long to the right as it is upwards in a
+    /// picture that is `aspect` times as wide as it is high.
+    pub(super) fn to_scale(self, aspect: f64) -> Self {
+        let (width, height) = (self.x.1 - self.x.0, self.y.1 - self.y.0);
+        Self {
+            x: widened(self.x, height * aspect),
+            y: widened(self.y, width / aspect),
+            levels: self.levels,
+        }
     }
 }
 
@@ -266,20 +273,19 @@ mod tests {
     fn far_levels_do_not_squeeze_the_series() {
         let mut near = chart(&[(0.0, -5.0), (1.0, 5.0)]);
         near.add_limit("limit", 20.0);
-        assert_eq!(near.view(1.0).levels, [true, true]);
-        assert_eq!(near.view(1.0).y, (-22.0, 22.0));
+        assert_eq!(near.view().levels, [true, true]);
+        assert_eq!(near.view().y, (-22.0, 22.0));
         let mut far = chart(&[(0.0, -5.0), (1.0, 5.0)]);
         far.add_limit("limit", 2_000.0);
-        assert_eq!(far.view(1.0).levels, [false, false]);
-        assert_eq!(far.view(1.0).y, (-5.5, 5.5));
+        assert_eq!(far.view().levels, [false, false]);
+        assert_eq!(far.view().y, (-5.5, 5.5));
     }
 
     #[test]
     fn a_picture_of_things_in_space_is_to_scale() {
-        let mut wide = chart(&[(0.0, 0.0), (8.0, 1.0)]);
-        wide.to_scale = true;
+        let wide = chart(&[(0.0, 0.0), (8.0, 1.0)]);
         for aspect in [0.5, 2.0, 20.0] {
-            let View { x, y, .. } = wide.view(aspect);
+            let View { x, y, .. } = wide.view().to_scale(aspect);
             assert!(x.0 <= 0.0 && 8.0 <= x.1 && y.0 <= 0.0 && 1.0 <= y.1);
             assert!(((x.1 - x.0) / (y.1 - y.0) / aspect - 1.0).abs() < 1e-12);
         }
@@ -303,7 +309,7 @@ mod tests {
             &[(1e9, -3.0)],
             &[(2.0, 7.0), (2.0, 7.0)],
         ] {
-            let view = chart(points).view(1.0);
+            let view = chart(points).view();
             assert!(view.x.0 < view.x.1 && view.y.0 < view.y.1, "{points:?}");
         }
     }

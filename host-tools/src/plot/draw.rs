@@ -48,6 +48,26 @@ impl Size {
 }
 
 impl Size {
+    /// How wide and how high the picture is between its axes.
+    fn inside(self) -> (i32, i32) {
+        (
+            self.width - self.left - MARGIN,
+            self.height - BOTTOM - 2 * MARGIN,
+        )
+    }
+
+    /// The same, or lower where a picture to scale would be empty above and below.
+    fn no_higher_than_needed(self, view: &View) -> Self {
+        let (width, height) = self.inside();
+        let aspect = (view.y.1 - view.y.0) / (view.x.1 - view.x.0);
+        let needed = (f64::from(width) * aspect) as i32;
+        let height = needed.clamp(LOWEST.min(height), height);
+        Self {
+            height: height + BOTTOM + 2 * MARGIN,
+            ..self
+        }
+    }
+
     /// The same, or with more room to the left where the numbers of this range need it.
     fn with_room_for(self, range: (f64, f64)) -> Self {
         let numbers = RangedCoordf64::from(range.0..range.1).key_points(NUMBERS_UP);
@@ -64,6 +84,9 @@ impl Size {
         }
     }
 }
+
+/// A picture to scale is at least so high.
+const LOWEST: i32 = 90 * SCALE;
 
 /// Numbers along the left edge, at most.
 const NUMBERS_UP: usize = 7;
@@ -112,11 +135,19 @@ impl Chart {
     }
 
     fn draw_into(&self, svg: &mut String, alone: bool, most_points: usize) -> Result<(), Failure> {
-        let size = if alone { Size::ALONE } else { Size::ON_PAGE };
-        let size = size.with_room_for(self.view(1.0).y);
+        let view = self.view();
+        let mut size = if alone { Size::ALONE } else { Size::ON_PAGE };
+        size = size.with_room_for(view.y);
+        if self.to_scale {
+            size = size.no_higher_than_needed(&view);
+        }
         let (width, height) = (size.width, size.height);
-        let inside = (width - size.left - MARGIN, height - BOTTOM - 2 * MARGIN);
-        let view = self.view(f64::from(inside.0) / f64::from(inside.1));
+        let inside = size.inside();
+        let view = if self.to_scale {
+            view.to_scale(f64::from(inside.0) / f64::from(inside.1))
+        } else {
+            view
+        };
         let legend = Legend::new(self, &view.levels, size.left, width - MARGIN);
         let title_height = if alone { TITLE_HEIGHT } else { 0 };
         let all = (title_height + height).unsigned_abs() + legend.height();
@@ -131,7 +162,8 @@ impl Chart {
         let (picture, names) = below.split_vertically(height);
         // Bars stand for things that are counted: each of a robot's twelve axes gets its number.
         let bars = self.series.iter().any(|series| series.mark == Mark::Bar);
-        let numbers = [if bars { 15 } else { size.numbers }, NUMBERS_UP];
+        let up = (inside.1 / (2 * TEXT_SIZE)).clamp(2, NUMBERS_UP as i32) as usize;
+        let numbers = [if bars { 15 } else { size.numbers }, up];
         let mut context = frame(&picture, size, &view, numbers, [&self.x, &self.y])?;
         for (level, _) in self
             .levels

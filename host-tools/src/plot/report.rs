@@ -124,6 +124,8 @@ pub struct Report {
     pub sections: Vec<Section>,
     /// All that was measured, in the order of importance.
     pub summary: Vec<SummaryRow>,
+    /// The last words, such as how to get the page again; may be empty.
+    pub footer: String,
     /// More CSS, for markup of the caller's own.
     pub style: &'static str,
     /// What moves the page; none for a page that stands still.
@@ -174,6 +176,9 @@ impl Report {
         }
         self.put_summary(&mut page);
         page.push_str("</main>\n");
+        if !self.footer.is_empty() {
+            let _ = writeln!(page, "<footer>{}</footer>", escaped(&self.footer));
+        }
         if let Some(script) = &self.script {
             let _ = writeln!(page, "<script>{}</script>", script.source);
         }

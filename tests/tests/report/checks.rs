@@ -4,7 +4,7 @@ use canter_tests::browser::{Browser, View};
 use canter_tests::measurement;
 use std::path::Path;
 
-use super::super::{DESKTOP, PHONE, REPORT};
+use super::super::{DESKTOP, PHONE, REPORT, demo};
 
 /// What is wrong with a page, as it is seen like this.
 fn findings(browser: &mut Browser, page: &Path, view: View) -> Vec<String> {
@@ -40,6 +40,20 @@ fn the_report_can_be_shown() {
         figures.as_u64().is_some_and(|count| count >= 20),
         "{figures}"
     );
+}
+
+#[test]
+fn so_can_that_of_a_robot_that_does_not_walk() {
+    let (directory, _) = &*REPORT;
+    let robot = directory.path().join("robot.toml");
+    std::fs::write(&robot, "[[axis]]\nid = 7\n[[axis]]\nid = 63\n").expect("written");
+    let robot = robot.to_str().expect("UTF-8");
+    let page = demo(&["--robot", robot], &directory.path().join("two"));
+    let mut browser = Browser::start();
+    for view in [PHONE, DESKTOP] {
+        let findings = findings(&mut browser, &page, view);
+        assert!(findings.is_empty(), "{view:?}: {findings:#?}");
+    }
 }
 
 /// Each fault, put into the page where it says, is found in words of its own.

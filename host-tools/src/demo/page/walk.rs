@@ -51,19 +51,13 @@ pub fn section(performance: &Performance, walk: &Walk, robot: &Robot) -> Result<
             "One cycle of each foot, measured, as the body sees it: to the left are the rear feet.",
         ),
         Figure::chart(
-            deviation(performance, walk),
-            "The worst of 12 joints and 40 ticks: how far a setpoint is from the gait's own curve. The nodes \
-             make 1 kHz setpoints of knots that are 10 ms apart.",
+            from_above(&postures),
+            "By the measured angles of the legs that are on the ground. Half way it turns.",
         ),
         Figure::chart(
-            worst(
-                performance,
-                walk,
-                "Shafts off their setpoints",
-                "\u{b5}rad",
-                &|sample| 1e6 * sample.error().abs(),
-            ),
-            "The worst of 12 shafts and 40 ticks: what inertia, friction and the encoder leave.",
+            deviations(performance, walk),
+            "The worst of 12 joints, in 40 ticks. The nodes make 1 kHz setpoints of knots that are 10 ms apart; \
+             inertia, friction and the encoder keep the shafts from them.",
         ),
         Figure::chart(
             limits(performance, walk, robot),
@@ -144,17 +138,33 @@ fn foot_paths(postures: &[Posture]) -> Chart {
     chart
 }
 
-/// A chart of the largest of a quantity over all joints and some ticks.
-fn worst(
-    performance: &Performance,
-    walk: &Walk,
-    title: &str,
-    unit: &str,
-    value: &dyn Fn(&Sample) -> f64,
-) -> Chart {
-    let mut chart = Chart::new(title, time_axis(), Axis::new("largest", unit));
-    let line = worst_line(performance, walk, "largest", &|sample, _| value(sample));
-    chart.series.push(line);
+/// The body's way, and the places where feet came down.
+fn from_above(postures: &[Posture]) -> Chart {
+    let mut chart = Chart::new(
+        "The way, seen from above",
+        Axis::new("forward", "m"),
+        Axis::new("to the left", "m"),
+    );
+    chart.to_scale = true;
+    let body = postures
+        .iter()
+        .map(|posture| (posture.pose.x, posture.pose.y));
+    chart
+        .series
+        .push(Series::line("the body's middle", body.collect()));
+    let mut steps = Vec::new();
+    let mut before = [false; LEGS];
+    for posture in postures {
+        for leg in (0..LEGS).filter(|leg| posture.grounded[*leg] && !before[*leg]) {
+            let [x, y, _] = posture.feet[leg];
+            let [x, y] = posture.pose.place([x, y]);
+            steps.push((x, y));
+        }
+        before = posture.grounded;
+    }
+    chart
+        .series
+        .push(Series::dots("where feet came down", steps));
     chart
 }
 
@@ -180,16 +190,21 @@ fn worst_line(
     Series::line(name, points)
 }
 
-fn deviation(performance: &Performance, walk: &Walk) -> Chart {
-    let title = "Setpoints off their ideal curves";
+fn deviations(performance: &Performance, walk: &Walk) -> Chart {
+    let title = "Off the curve, and off the setpoints";
     let mut chart = Chart::new(title, time_axis(), Axis::new("largest", "\u{b5}rad"));
-    let off = |sample: &Sample, ideal: f64| {
+    let setpoint = |sample: &Sample, ideal: f64| {
         1e6 * (sample.setpoint.setpoint.position.radians() - ideal).abs()
     };
-    chart
-        .series
-        .push(worst_line(performance, walk, "largest", &off));
-    chart.add_level("asked for: at most this", 1e6 * DEVIATION);
+    let shaft = |sample: &Sample, _| 1e6 * sample.error().abs();
+    let mut add = |name, value: &dyn Fn(&Sample, f64) -> f64| {
+        chart
+            .series
+            .push(worst_line(performance, walk, name, value));
+    };
+    add("setpoints off the gait's own curves", &setpoint);
+    add("shafts off the setpoints", &shaft);
+    chart.add_level("asked of the setpoints: at most this", 1e6 * DEVIATION);
     chart
 }
 
