@@ -10,6 +10,7 @@ mod vcan {
     mod store;
     mod trouble;
     mod two_hosts;
+    mod walking;
 }
 
 use std::time::Duration;
