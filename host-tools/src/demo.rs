@@ -1,21 +1,41 @@
-//! The demonstration: a simulated robot is scanned, enabled, moved together, stopped and
-//! disabled, and all that its nodes did is recorded and measured.
+//! The demonstration: a simulated robot is scanned, enabled, moved together, walked at a trot, stopped
+//! in mid-move and disabled, and all that its nodes did is recorded and measured.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `walk` | what is walked |
+//! | `recording` | every frame, and every tick of every axis |
+//! | `measure` | what the recording says |
+//! | `promise` | what is asked of it |
+//! | `posture` | where the robot really was, by its joints |
+//! | `page` | the report |
+//! | `scene` | the robot from the side, moving |
 
 mod measure;
 mod page;
+mod posture;
+mod promise;
+mod recording;
+mod scene;
+mod walk;
 
 use crate::client::{Arrival, Client, ClientError, Goal, MoveRequest, Overrides, Target};
 use crate::robot::Robot;
-use crate::sim::{Configuration, Load, Record, SimulatedBus};
+use crate::sim::{Configuration, Load, SimulatedBus, Transmission};
+use crate::walk::WalkError;
 use canter_shared::time::Tick;
 use canter_shared::wire::command::ProfileKind;
 use canter_shared::wire::id::AxisId;
+use recording::Recorder;
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::atomic::Ordering;
 
-pub use measure::{Measurements, MoveMeasurement};
+pub use measure::{Measurements, MoveMeasurement, WalkMeasurement};
 pub use page::{page, rows};
+pub use promise::{Promise, promises};
+pub use recording::{Sample, Samples};
+pub use walk::Walk;
 
 /// The session of the demonstration: there is nobody else on its bus.
 const SESSION: u16 = 0xCA27;
@@ -41,12 +61,18 @@ pub struct Performance {
     pub axes: Vec<AxisId>,
     /// The moves that arrived.
     pub moves: Vec<Performed>,
+    /// The walk; none where the robot cannot walk.
+    pub walk: Option<Walk>,
     /// When the last move was stopped on its way, and when all axes rested.
     pub stopped: (Tick, Tick),
-    /// Every frame and every setpoint.
-    pub record: Record,
+    /// Every frame, in the order of the bus.
+    pub frames: Vec<Transmission>,
+    /// Every tick of every axis.
+    pub samples: Samples,
     /// How much the bus carried.
     pub load: Load,
+    /// Where all chance came from.
+    pub seed: u64,
 }
 
 fn goals(axes: &[AxisId], angle: impl Fn(usize) -> f64) -> Vec<Goal> {
@@ -62,15 +88,16 @@ fn goals(axes: &[AxisId], angle: impl Fn(usize) -> f64) -> Vec<Goal> {
 /// Runs the demonstration on a robot; the same configuration gives the same performance.
 ///
 /// # Errors
-/// What a client on a real bus would meet: targets outside the travel of the robot file, say.
+/// What a client on a real bus would meet: targets outside the travel of the robot file, say, or a trot
+/// beyond its limits.
 pub fn perform(
     robot: &Robot,
     configuration: &Configuration,
     mut say: impl FnMut(&str),
-) -> Result<Performance, ClientError> {
+) -> Result<Performance, WalkError> {
     let mut bus = SimulatedBus::new(configuration);
-    let record = Rc::new(RefCell::new(Record::default()));
-    bus.observe(Rc::clone(&record));
+    let recorder = Rc::new(RefCell::new(Recorder::default()));
+    bus.observe(Rc::clone(&recorder));
     let mut client = Client::new(bus, SESSION);
 
     let nodes = client.scan()?;
@@ -112,6 +139,11 @@ pub fn perform(
         });
     }
 
+    let walk = walk::walk(&mut client, robot, &mut say)?;
+    if walk.is_some() {
+        say("walked at a trot");
+    }
+
     let far = request(goals(&axes, |index| 8.0 * spread(index)), ProfileKind::Beta);
     let interrupt = client.interrupt();
     let ended = client.move_together(robot, &far, |progress| {
@@ -121,7 +153,7 @@ pub fn perform(
     });
     match ended {
         Err(ClientError::Interrupted) => say("stopped in mid-move"),
-        Err(error) => return Err(error),
+        Err(error) => return Err(error.into()),
         Ok(_) => {}
     }
     let rest = client.now().next_tick();
@@ -130,14 +162,17 @@ pub fn perform(
     say("disabled");
 
     let load = client.bus().load();
-    let record = record.take();
-    let stopped = (measure::stop_tick(&record).unwrap_or(rest), rest);
+    let mut recorder = recorder.take();
+    let stopped = measure::stop_tick(&recorder.frames).unwrap_or(rest);
     Ok(Performance {
         axes,
         moves,
-        stopped,
-        record,
+        walk,
+        stopped: (stopped, rest),
+        frames: std::mem::take(&mut recorder.frames),
+        samples: recorder.into_samples(),
         load,
+        seed: configuration.seed,
     })
 }
 

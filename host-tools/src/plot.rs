@@ -2,9 +2,11 @@
 //!
 //! | file | what it holds |
 //! |---|---|
-//! | `report` | the page: a summary and charts |
+//! | `report` | the page: what matters at its head, sections of figures, a summary |
 //! | `chart` | what a chart shows |
+//! | `timeline` | what is on when |
 //! | `draw` | a chart as SVG |
+//! | `style` | colours, dashes and sizes |
 //! | `legend` | the names under a chart |
 //! | `stack` | charts under each other |
 //! | `thin` | fewer points that look the same |
@@ -14,10 +16,13 @@ mod draw;
 mod legend;
 pub mod report;
 mod stack;
+mod style;
 mod thin;
+mod timeline;
 
 pub use chart::{Axis, Chart, Level, Mark, Series};
 pub use stack::stack;
+pub use timeline::Timeline;
 
 use thiserror::Error;
 

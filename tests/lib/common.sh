@@ -29,6 +29,7 @@ need() {
         iproute2) command -v ip >/dev/null && continue ;;
         can-utils) command -v candump >/dev/null && command -v cansend >/dev/null && continue ;;
         user-mode-linux) command -v linux.uml >/dev/null && continue ;;
+        chromium) command -v chromium chromium-browser google-chrome >/dev/null && continue ;;
         qemu-system-arm) command -v qemu-system-arm >/dev/null && continue ;;
         esac
         dpkg-query --show --showformat='${db:Status-Status}' "$package" 2>/dev/null | grep -qx installed ||

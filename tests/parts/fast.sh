@@ -1,8 +1,9 @@
 # shellcheck shell=bash
-# Format, lints, docs, and the tests that need nothing but cargo and Python.
+# Format, lints, docs, and the tests that need nothing but cargo, Python and a browser.
 source tests/lib/common.sh
 need_rust clippy rustfmt
 need_python
+need chromium
 
 say "format"
 cargo fmt --all --check
@@ -19,3 +20,4 @@ say "tests"
 # `canter` is what some of them run; cargo builds it for the tests of its own package only.
 cargo build --locked --package canter
 cargo test --locked
+cargo test --locked --package canter-tests --test report

@@ -2,6 +2,7 @@
 //!
 //! | module | what it holds |
 //! |---|---|
+//! | [`browser`] | a real browser without a window |
 //! | [`process`] | a program under test: its lines as they come, its end, killed when dropped |
 //! | [`candump`] | what was on a CAN bus, as seen by can-utils rather than by canter |
 //! | [`trace`] | what a node's setpoints were, and what must hold for them |
@@ -11,6 +12,7 @@
 //! with it. [`PATIENCE`] only bounds the wait of a test that has already failed.
 #![forbid(unsafe_code)]
 
+pub mod browser;
 pub mod candump;
 pub mod process;
 pub mod tidy;

@@ -3,6 +3,7 @@
 /// Here so that the files lie in a folder of their own.
 mod gait {
     mod continuity;
+    mod lossy;
     mod output;
     mod run;
 

@@ -35,11 +35,13 @@ pub enum Mark {
     /// A line from point to point.
     #[default]
     Line,
+    /// A dot at each point.
+    Dots,
     /// A bar from 0 to each point, around whole x.
     Bar,
 }
 
-/// Points that belong together.
+/// Points that belong together. Series of one name look alike and stand in the legend once.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
     /// Its name in the legend.
@@ -57,6 +59,15 @@ impl Series {
             name: name.into(),
             points,
             mark: Mark::Line,
+        }
+    }
+
+    /// Dots.
+    pub fn dots(name: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
+        Self {
+            name: name.into(),
+            points,
+            mark: Mark::Dots,
         }
     }
 
@@ -93,6 +104,8 @@ pub struct Chart {
     pub series: Vec<Series>,
     /// Levels to compare with.
     pub levels: Vec<Level>,
+    /// Whether a unit is as long to the right as it is upwards: a picture of things in space.
+    pub to_scale: bool,
 }
 
 /// Levels may stretch the picture to this many times what the series need.
@@ -121,15 +134,35 @@ impl Chart {
             y,
             series: Vec::new(),
             levels: Vec::new(),
+            to_scale: false,
         }
+    }
+
+    /// Which look a series has: that of the first one of its name.
+    pub(super) fn look_of(&self, series: &Series) -> usize {
+        let mut names: Vec<&str> = Vec::new();
+        for other in &self.series {
+            if other.name == series.name {
+                break;
+            }
+            if !names.contains(&other.name.as_str()) {
+                names.push(&other.name);
+            }
+        }
+        names.len()
+    }
+
+    /// Adds a dashed line at `value`.
+    pub fn add_level(&mut self, name: impl Into<String>, value: f64) {
+        let name = name.into();
+        self.levels.push(Level { name, value });
     }
 
     /// Adds dashed lines at `value` and at its negative.
     pub fn add_limit(&mut self, name: impl Into<String>, value: f64) {
         let name = name.into();
         for value in [value, -value] {
-            let name = name.clone();
-            self.levels.push(Level { name, value });
+            self.add_level(name.clone(), value);
         }
     }
 
@@ -151,11 +184,12 @@ impl Chart {
         }
     }
 
+    /// What the series and the levels need.
     pub(super) fn view(&self) -> View {
         let (mut x, mut y) = (None, None);
         for series in &self.series {
             let half = match series.mark {
-                Mark::Line => 0.0,
+                Mark::Line | Mark::Dots => 0.0,
                 Mark::Bar => 2.0 * HALF_BAR,
             };
             if series.mark == Mark::Bar {
@@ -188,9 +222,28 @@ impl Chart {
     }
 }
 
+impl View {
+    /// The same, or more of the plane, so that a unit is as long to the right as it is upwards in a
+    /// picture that is `aspect` times as wide as it is high.
+    pub(super) fn to_scale(self, aspect: f64) -> Self {
+        let (width, height) = (self.x.1 - self.x.0, self.y.1 - self.y.0);
+        Self {
+            x: widened(self.x, height * aspect),
+            y: widened(self.y, width / aspect),
+            levels: self.levels,
+        }
+    }
+}
+
 fn include(range: &mut Option<(f64, f64)>, value: f64) {
     let (least, most) = range.unwrap_or((value, value));
     *range = Some((least.min(value), most.max(value)));
+}
+
+/// A range of at least this extent around the same middle.
+fn widened((least, most): (f64, f64), extent: f64) -> (f64, f64) {
+    let more = (0.5 * (extent - (most - least))).max(0.0);
+    (least - more, most + more)
 }
 
 /// A range that is wide enough to draw: a single value gets some room on both sides.
@@ -226,6 +279,26 @@ mod tests {
         far.add_limit("limit", 2_000.0);
         assert_eq!(far.view().levels, [false, false]);
         assert_eq!(far.view().y, (-5.5, 5.5));
+    }
+
+    #[test]
+    fn a_picture_of_things_in_space_is_to_scale() {
+        let wide = chart(&[(0.0, 0.0), (8.0, 1.0)]);
+        for aspect in [0.5, 2.0, 20.0] {
+            let View { x, y, .. } = wide.view().to_scale(aspect);
+            assert!(x.0 <= 0.0 && 8.0 <= x.1 && y.0 <= 0.0 && 1.0 <= y.1);
+            assert!(((x.1 - x.0) / (y.1 - y.0) / aspect - 1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn series_of_one_name_look_alike() {
+        let mut legs = chart(&[(0.0, 0.0)]);
+        for name in ["two", "one", "three", "two"] {
+            legs.series.push(Series::line(name, vec![(0.0, 1.0)]));
+        }
+        let looks = legs.series.iter().map(|series| legs.look_of(series));
+        assert_eq!(looks.collect::<Vec<_>>(), [0, 1, 0, 2, 1]);
     }
 
     #[test]

@@ -1,66 +1,102 @@
 //! A chart as SVG.
 
 use plotters::coord::Shift;
+use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::chart::HALF_BAR;
+use super::chart::{HALF_BAR, View};
 use super::legend::Legend;
+use super::style::{
+    FRAME, GRID, LETTER, LEVEL, LINE_WIDTH, RADIUS, SCALE, TEXT_SIZE, colour, dressed, text_style,
+};
 use super::thin::thin;
-use super::{Chart, Mark, PlotError};
+use super::{Axis, Chart, Mark, PlotError};
 
 pub(super) type Surface<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type Plane = Cartesian2d<RangedCoordf64, RangedCoordf64>;
+pub(super) type Frame<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Plane>;
 pub(super) type Failure = DrawingAreaErrorKind<std::io::Error>;
 
-/// The library draws on whole points only, so there are 4 to each pixel.
-pub(super) const SCALE: i32 = 4;
+/// How large a picture is, in points.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Size {
+    pub(super) width: i32,
+    pub(super) height: i32,
+    /// To the left of the picture: numbers and what they mean.
+    pub(super) left: i32,
+    /// Numbers along the lower edge, at most.
+    pub(super) numbers: usize,
+}
 
-/// Narrow enough that the text can be read on a phone, which shrinks it to 360 pixels.
-const WIDTH: i32 = 560 * SCALE;
-const HEIGHT: i32 = 300 * SCALE;
+impl Size {
+    /// Of a picture alone.
+    const ALONE: Self = Self {
+        width: 560 * SCALE,
+        height: 300 * SCALE,
+        left: 84 * SCALE,
+        numbers: 9,
+    };
+
+    /// On a page: narrow enough that the text can be read on a phone, which shrinks it to 350 pixels.
+    pub(super) const ON_PAGE: Self = Self {
+        width: 390 * SCALE,
+        height: 250 * SCALE,
+        left: 72 * SCALE,
+        numbers: 6,
+    };
+}
+
+impl Size {
+    /// How wide and how high the picture is between its axes.
+    fn inside(self) -> (i32, i32) {
+        (
+            self.width - self.left - MARGIN,
+            self.height - BOTTOM - 2 * MARGIN,
+        )
+    }
+
+    /// The same, or lower where a picture to scale would be empty above and below.
+    fn no_higher_than_needed(self, view: &View) -> Self {
+        let (width, height) = self.inside();
+        let aspect = (view.y.1 - view.y.0) / (view.x.1 - view.x.0);
+        let needed = (f64::from(width) * aspect) as i32;
+        let height = needed.clamp(LOWEST.min(height), height);
+        Self {
+            height: height + BOTTOM + 2 * MARGIN,
+            ..self
+        }
+    }
+
+    /// The same, or with more room to the left where the numbers of this range need it.
+    fn with_room_for(self, range: (f64, f64)) -> Self {
+        let numbers = RangedCoordf64::from(range.0..range.1).key_points(NUMBERS_UP);
+        let letters = numbers.into_iter().map(|number| {
+            let text = label(number, range.1 - range.0);
+            text.chars().count()
+        });
+        let widest = letters.max().unwrap_or(0) as f64 * LETTER * f64::from(TEXT_SIZE);
+        // A line of text on its side, and gaps.
+        let left = widest as i32 + TEXT_SIZE + 3 * MARGIN;
+        Self {
+            left: self.left.max(left),
+            ..self
+        }
+    }
+}
+
+/// A picture to scale is at least so high.
+const LOWEST: i32 = 90 * SCALE;
+
+/// Numbers along the left edge, at most.
+const NUMBERS_UP: usize = 7;
+
 const TITLE_HEIGHT: i32 = 30 * SCALE;
-const LEFT: i32 = 84 * SCALE;
 const BOTTOM: i32 = 38 * SCALE;
-const MARGIN: i32 = 8 * SCALE;
-pub(super) const TEXT_SIZE: i32 = 13 * SCALE;
-/// Thin enough for twelve series in one chart.
-pub(super) const LINE_WIDTH: u32 = 6;
+pub(super) const MARGIN: i32 = 8 * SCALE;
 
 /// Points of one series in a chart of its own: two for each pixel.
 const MOST_POINTS: usize = 1_100;
-
-// The colours of roles. A report's style sheet finds them by their values and so can change them
-// for a dark page; each is used for nothing else.
-pub(super) const INK: RGBColor = RGBColor(0x22, 0x22, 0x23);
-const GRID: RGBColor = RGBColor(0xDD, 0xDD, 0xDE);
-const FRAME: RGBColor = RGBColor(0x99, 0x99, 0x9A);
-pub(super) const LEVEL: RGBColor = RGBColor(0xC0, 0x20, 0x21);
-
-/// Colours of series that can be told apart on white and on black.
-const COLOURS: [RGBColor; 12] = [
-    RGBColor(0x1F, 0x77, 0xD4),
-    RGBColor(0xF2, 0x7F, 0x0E),
-    RGBColor(0x2C, 0xA0, 0x3C),
-    RGBColor(0xA8, 0x6A, 0xD0),
-    RGBColor(0x17, 0xA9, 0xBB),
-    RGBColor(0xE3, 0x5F, 0x9A),
-    RGBColor(0x9A, 0x8A, 0x1C),
-    RGBColor(0x8C, 0x5A, 0x4A),
-    RGBColor(0x6B, 0x7A, 0x8C),
-    RGBColor(0x5B, 0x5F, 0xE0),
-    RGBColor(0x58, 0xA8, 0x8A),
-    RGBColor(0xC8, 0x85, 0x6E),
-];
-
-pub(super) fn colour(index: usize) -> RGBColor {
-    COLOURS[index % COLOURS.len()]
-}
-
-pub(super) fn text_style() -> TextStyle<'static> {
-    // The library asks for 1.24 times the size of the letters.
-    let size = f64::from(TEXT_SIZE) * 1.24;
-    TextStyle::from(("sans-serif", size).into_font()).color(&INK)
-}
 
 impl Chart {
     /// The chart as an SVG document of its own, on white.
@@ -74,8 +110,7 @@ impl Chart {
     /// The chart as an element of a page, whose style sheet gives the colours of ink and ground.
     pub(super) fn element(&self, most_points: usize) -> Result<String, PlotError> {
         let svg = self.draw(false, most_points.min(MOST_POINTS))?;
-        // Part of HTML it needs no name space; its size is the page's affair.
-        Ok(rewrite_root(&svg, "<svg role=\"img\" "))
+        Ok(element(&svg, &self.title))
     }
 
     fn draw(&self, alone: bool, most_points: usize) -> Result<String, PlotError> {
@@ -88,12 +123,11 @@ impl Chart {
                 chart: self.title.clone(),
                 cause: cause.to_string(),
             })?;
-        let plain = format!("stroke=\"{}\"", hex(LEVEL));
-        let svg = svg.replace(&plain, &format!("{plain} stroke-dasharray=\"24 16\""));
+        let svg = dressed(&svg);
         Ok(if alone {
             rewrite_root(
                 &svg,
-                &format!("<svg xmlns=\"{NAME_SPACE}\" width=\"{}\" ", WIDTH / SCALE),
+                &format!("<svg xmlns=\"{NAME_SPACE}\" width=\"{WIDTH_IN_PIXELS}\" "),
             )
         } else {
             svg
@@ -102,40 +136,35 @@ impl Chart {
 
     fn draw_into(&self, svg: &mut String, alone: bool, most_points: usize) -> Result<(), Failure> {
         let view = self.view();
-        let legend = Legend::new(self, &view.levels, LEFT, WIDTH - MARGIN);
+        let mut size = if alone { Size::ALONE } else { Size::ON_PAGE };
+        size = size.with_room_for(view.y);
+        if self.to_scale {
+            size = size.no_higher_than_needed(&view);
+        }
+        let (width, height) = (size.width, size.height);
+        let inside = size.inside();
+        let view = if self.to_scale {
+            view.to_scale(f64::from(inside.0) / f64::from(inside.1))
+        } else {
+            view
+        };
+        let legend = Legend::new(self, &view.levels, size.left, width - MARGIN);
         let title_height = if alone { TITLE_HEIGHT } else { 0 };
-        let height = (title_height + HEIGHT).unsigned_abs() + legend.height();
-        let root = SVGBackend::with_string(svg, (WIDTH.unsigned_abs(), height)).into_drawing_area();
+        let all = (title_height + height).unsigned_abs() + legend.height();
+        let root = SVGBackend::with_string(svg, (width.unsigned_abs(), all)).into_drawing_area();
         if alone {
             root.fill(&WHITE)?;
             let middle = text_style().pos(Pos::new(HPos::Center, VPos::Center));
-            let at = (WIDTH / 2, TITLE_HEIGHT / 2);
+            let at = (width / 2, TITLE_HEIGHT / 2);
             root.draw(&Text::new(self.title.clone(), at, middle))?;
         }
         let (_, below) = root.split_vertically(title_height);
-        let (picture, names) = below.split_vertically(HEIGHT);
+        let (picture, names) = below.split_vertically(height);
         // Bars stand for things that are counted: each of a robot's twelve axes gets its number.
         let bars = self.series.iter().any(|series| series.mark == Mark::Bar);
-        let mut context = ChartBuilder::on(&picture)
-            .margin(MARGIN)
-            .x_label_area_size(BOTTOM)
-            .y_label_area_size(LEFT - MARGIN)
-            .build_cartesian_2d(view.x.0..view.x.1, view.y.0..view.y.1)?;
-        context
-            .configure_mesh()
-            .x_desc(self.x.label())
-            .y_desc(self.y.label())
-            .x_labels(if bars { 15 } else { 9 })
-            .y_labels(7)
-            .x_label_formatter(&|value| label(*value, view.x.1 - view.x.0))
-            .y_label_formatter(&|value| label(*value, view.y.1 - view.y.0))
-            .label_style(text_style())
-            .axis_desc_style(text_style())
-            .axis_style(FRAME.stroke_width(SCALE.unsigned_abs()))
-            .bold_line_style(GRID.stroke_width(SCALE.unsigned_abs()))
-            .light_line_style(TRANSPARENT)
-            .set_all_tick_mark_size(4 * SCALE)
-            .draw()?;
+        let up = (inside.1 / (2 * TEXT_SIZE)).clamp(2, NUMBERS_UP as i32) as usize;
+        let numbers = [if bars { 15 } else { size.numbers }, up];
+        let mut context = frame(&picture, size, &view, numbers, [&self.x, &self.y])?;
         for (level, _) in self
             .levels
             .iter()
@@ -145,13 +174,19 @@ impl Chart {
             let ends = [(view.x.0, level.value), (view.x.1, level.value)];
             context.draw_series(LineSeries::new(ends, LEVEL.stroke_width(LINE_WIDTH)))?;
         }
-        for (index, series) in self.series.iter().enumerate() {
-            let colour = colour(index);
+        for series in &self.series {
+            let colour = colour(self.look_of(series));
             match series.mark {
                 Mark::Line => {
                     let points = thin(&series.points, most_points);
                     context
                         .draw_series(LineSeries::new(points, colour.stroke_width(LINE_WIDTH)))?;
+                }
+                Mark::Dots => {
+                    let every = series.points.len().div_ceil(most_points).max(1);
+                    let points = series.points.iter().step_by(every);
+                    let dots = points.map(|point| Circle::new(*point, RADIUS, colour.filled()));
+                    context.draw_series(dots)?;
                 }
                 Mark::Bar => {
                     let bars = series.points.iter().map(|(x, y)| {
@@ -187,7 +222,7 @@ impl Chart {
 pub(super) const NAME_SPACE: &str = "http://www.w3.org/2000/svg";
 
 /// How wide every chart is shown.
-pub(super) const WIDTH_IN_PIXELS: i32 = WIDTH / SCALE;
+pub(super) const WIDTH_IN_PIXELS: i32 = Size::ALONE.width / SCALE;
 
 /// A chart of its own without its name space, and how high it is shown.
 pub(super) fn in_pixels(svg: &str) -> (String, f64) {
@@ -199,6 +234,60 @@ pub(super) fn in_pixels(svg: &str) -> (String, f64) {
         .and_then(|number| number.parse::<f64>().ok())
         .unwrap_or_default();
     (svg.replacen(&name_space, "", 1), height / f64::from(SCALE))
+}
+
+/// A picture as a part of a page: it needs no name space, and its size is the page's affair.
+pub(super) fn element(svg: &str, title: &str) -> String {
+    let title = escaped(title);
+    rewrite_root(svg, &format!("<svg role=\"img\" aria-label=\"{title}\" "))
+}
+
+/// The text as HTML and SVG carry it.
+pub(super) fn escaped(text: &str) -> String {
+    let mut safe = String::with_capacity(text.len());
+    for character in text.chars() {
+        match character {
+            '&' => safe.push_str("&amp;"),
+            '<' => safe.push_str("&lt;"),
+            '>' => safe.push_str("&gt;"),
+            '"' => safe.push_str("&quot;"),
+            '\'' => safe.push_str("&#39;"),
+            control if control.is_control() => safe.push(' '),
+            other => safe.push(other),
+        }
+    }
+    safe
+}
+
+/// A picture's axes with their numbers, and a grid.
+pub(super) fn frame<'a, 'b>(
+    picture: &'a Surface<'b>,
+    size: Size,
+    view: &View,
+    numbers: [usize; 2],
+    axes: [&Axis; 2],
+) -> Result<Frame<'a, 'b>, Failure> {
+    let mut context = ChartBuilder::on(picture)
+        .margin(MARGIN)
+        .x_label_area_size(BOTTOM)
+        .y_label_area_size(size.left - MARGIN)
+        .build_cartesian_2d(view.x.0..view.x.1, view.y.0..view.y.1)?;
+    context
+        .configure_mesh()
+        .x_desc(axes[0].label())
+        .y_desc(axes[1].label())
+        .x_labels(numbers[0])
+        .y_labels(numbers[1])
+        .x_label_formatter(&|value| label(*value, view.x.1 - view.x.0))
+        .y_label_formatter(&|value| label(*value, view.y.1 - view.y.0))
+        .label_style(text_style())
+        .axis_desc_style(text_style())
+        .axis_style(FRAME.stroke_width(SCALE.unsigned_abs()))
+        .bold_line_style(GRID.stroke_width(SCALE.unsigned_abs()))
+        .light_line_style(TRANSPARENT)
+        .set_all_tick_mark_size(4 * SCALE)
+        .draw()?;
+    Ok(context)
 }
 
 /// Puts `start` in the place of the root's size in points and name space, and keeps its view box.
@@ -213,18 +302,6 @@ fn rewrite_root(svg: &str, start: &str) -> String {
         None => svg.to_owned(),
     }
 }
-
-/// The colour as it is written in SVG.
-pub(super) fn hex(RGBColor(red, green, blue): RGBColor) -> String {
-    format!("#{red:02X}{green:02X}{blue:02X}")
-}
-
-pub(super) const ROLES: [(&str, RGBColor); 4] = [
-    ("ink", INK),
-    ("grid", GRID),
-    ("frame", FRAME),
-    ("level", LEVEL),
-];
 
 /// A number at an axis that shows a range of `extent`: as many digits as tell it from its
 /// neighbours, and zero where rounding has left next to nothing of it.

@@ -2,19 +2,18 @@
 
 use plotters::prelude::*;
 
-use super::draw::{Failure, LEVEL, LINE_WIDTH, SCALE, Surface, TEXT_SIZE, colour, text_style};
-use super::{Chart, Level, Mark, Series};
+use super::draw::{Failure, Surface};
+use super::style::{LETTER, LEVEL, LINE_WIDTH, RADIUS, SCALE, TEXT_SIZE, colour, text_style};
+use super::{Chart, Level, Mark};
 
 const ROW: i32 = 20 * SCALE;
 const SWATCH: i32 = 22 * SCALE;
 const GAP: i32 = 6 * SCALE;
-
-/// Width of a letter of ordinary text as a share of its size; what is too wide for its column
-/// runs into the next, so this is rather too much than too little.
-const LETTER: f64 = 0.56;
+const DOT: i32 = RADIUS + 1;
 
 enum Swatch {
     Line(RGBColor),
+    Dots(RGBColor),
     Block(RGBColor),
     Dashes,
     Nothing,
@@ -70,18 +69,23 @@ impl Legend {
 }
 
 fn series(chart: &Chart) -> Vec<(Swatch, String)> {
-    // A single one is what the axis says.
-    if chart.series.len() < 2 {
-        return Vec::new();
+    let mut entries = Vec::new();
+    for series in &chart.series {
+        let look = chart.look_of(series);
+        if look == entries.len() {
+            let swatch = match series.mark {
+                Mark::Line => Swatch::Line(colour(look)),
+                Mark::Dots => Swatch::Dots(colour(look)),
+                Mark::Bar => Swatch::Block(colour(look)),
+            };
+            entries.push((swatch, series.name.clone()));
+        }
     }
-    let entry = |(index, series): (usize, &Series)| {
-        let swatch = match series.mark {
-            Mark::Line => Swatch::Line(colour(index)),
-            Mark::Bar => Swatch::Block(colour(index)),
-        };
-        (swatch, series.name.clone())
-    };
-    chart.series.iter().enumerate().map(entry).collect()
+    // A single one is what the axis says.
+    if entries.len() < 2 {
+        entries.clear();
+    }
+    entries
 }
 
 fn levels(chart: &Chart, shown: &[bool]) -> Vec<(Swatch, String)> {
@@ -113,12 +117,17 @@ fn draw_entry(
     let line = |colour: RGBColor| {
         PathElement::new(
             [(x, y), (x + SWATCH, y)],
-            colour.stroke_width(LINE_WIDTH * 2),
+            colour.stroke_width(LINE_WIDTH + LINE_WIDTH / 2),
         )
     };
     match swatch {
         Swatch::Line(colour) => surface.draw(&line(*colour))?,
         Swatch::Dashes => surface.draw(&line(LEVEL))?,
+        Swatch::Dots(colour) => {
+            for place in [x + DOT, x + SWATCH / 2, x + SWATCH - DOT] {
+                surface.draw(&Circle::new((place, y), DOT, colour.filled()))?;
+            }
+        }
         Swatch::Block(colour) => {
             let corners = [(x + GAP, y - GAP), (x + SWATCH, y + GAP)];
             surface.draw(&Rectangle::new(corners, colour.filled()))?;

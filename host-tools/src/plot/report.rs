@@ -2,16 +2,30 @@
 
 use std::fmt::Write as _;
 
-use super::draw::{ROLES, hex};
-use super::{Chart, PlotError};
+use super::draw::escaped;
+use super::style::rules;
+use super::{Chart, PlotError, Timeline};
 
 const STYLE: &str = include_str!("report.css");
 
 /// Points in all charts of a page together, of at most 10 bytes each: the file stays below 3 MB.
-const MOST_POINTS: usize = 240_000;
+const MOST_POINTS: usize = 180_000;
 
 /// A series keeps at least this many points, however many series there are.
 const FEWEST_POINTS: usize = 60;
+
+/// A figure that a reader should not miss.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Headline {
+    /// What was measured.
+    pub what: String,
+    /// The value with its unit.
+    pub value: String,
+    /// What was asked for.
+    pub asked: String,
+    /// Whether the value is as was asked.
+    pub kept: bool,
+}
 
 /// One line of the summary.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -24,6 +38,79 @@ pub struct SummaryRow {
     pub note: String,
 }
 
+/// What a figure shows.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Picture {
+    /// Series over a common x.
+    Chart(Chart),
+    /// What is on when.
+    Timeline(Timeline),
+    /// HTML of the caller's own, under a title. It must ask for nothing from elsewhere.
+    Markup {
+        /// What it shows.
+        title: String,
+        /// It is put into the page as it is.
+        html: String,
+    },
+}
+
+/// A picture with a sentence.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Figure {
+    /// What it shows.
+    pub picture: Picture,
+    /// What to look at; may be empty.
+    pub note: String,
+    /// Whether it is as wide as the page.
+    pub wide: bool,
+}
+
+impl Figure {
+    /// A figure of usual width.
+    pub fn new(picture: Picture, note: impl Into<String>) -> Self {
+        Self {
+            picture,
+            note: note.into(),
+            wide: false,
+        }
+    }
+
+    /// A chart of usual width.
+    pub fn chart(chart: Chart, note: impl Into<String>) -> Self {
+        Self::new(Picture::Chart(chart), note)
+    }
+}
+
+/// A part of a report under a title of its own.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Section {
+    /// Its title.
+    pub title: String,
+    /// A paragraph under it; may be empty.
+    pub text: String,
+    /// What it shows.
+    pub figures: Vec<Figure>,
+    /// What it shows to those who ask: the words to click on, and more figures.
+    pub folded: Vec<(String, Vec<Figure>)>,
+}
+
+impl Section {
+    fn all_figures(&self) -> impl Iterator<Item = &Figure> {
+        let folded = self.folded.iter().flat_map(|(_, figures)| figures);
+        self.figures.iter().chain(folded)
+    }
+}
+
+/// A program that runs in the page. Others do not: its policy names the digest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Script {
+    /// JavaScript.
+    pub source: &'static str,
+    /// The SHA-256 of the source in base 64. A browser that finds another one runs nothing and says
+    /// which it has found.
+    pub sha256: &'static str,
+}
+
 /// A report.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Report {
@@ -31,10 +118,18 @@ pub struct Report {
     pub title: String,
     /// A sentence under the title; may be empty.
     pub lead: String,
-    /// What was measured, in the order of importance.
+    /// What a reader should not miss.
+    pub headlines: Vec<Headline>,
+    /// The parts, in order.
+    pub sections: Vec<Section>,
+    /// All that was measured, in the order of importance.
     pub summary: Vec<SummaryRow>,
-    /// The charts, in order.
-    pub charts: Vec<Chart>,
+    /// The last words, such as how to get the page again; may be empty.
+    pub footer: String,
+    /// More CSS, for markup of the caller's own.
+    pub style: &'static str,
+    /// What moves the page; none for a page that stands still.
+    pub script: Option<Script>,
 }
 
 impl Report {
@@ -64,32 +159,136 @@ impl Report {
         // Writing to a string cannot fail.
         let _ = writeln!(
             page,
-            "<title>{title}</title>\n<style>\n{STYLE}{}</style>",
-            roles()
+            "<meta http-equiv=\"Content-Security-Policy\" content=\"{}\">\n<title>{title}</title>\n\
+             <style>\n{STYLE}{}{}</style>",
+            self.policy(),
+            rules(),
+            self.style
         );
-        let _ = writeln!(page, "<h1>{title}</h1>");
+        let _ = writeln!(page, "<header>\n<h1>{title}</h1>");
         if !self.lead.is_empty() {
             let _ = writeln!(page, "<p class=\"lead\">{}</p>", escaped(&self.lead));
         }
+        page.push_str("</header>\n<main>\n");
+        self.put_headlines(&mut page);
+        for section in &self.sections {
+            self.put_section(&mut page, section)?;
+        }
         self.put_summary(&mut page);
-        let series: usize = self.charts.iter().map(|chart| chart.series.len()).sum();
-        let most_points = (MOST_POINTS / series.max(1)).max(FEWEST_POINTS);
-        page.push_str("<div class=\"charts\">\n");
-        for chart in &self.charts {
-            let caption = escaped(&chart.title);
-            let _ = writeln!(page, "<figure>\n<figcaption>{caption}</figcaption>");
-            page.push_str(&chart.element(most_points)?);
+        page.push_str("</main>\n");
+        if !self.footer.is_empty() {
+            let _ = writeln!(page, "<footer>{}</footer>", escaped(&self.footer));
+        }
+        if let Some(script) = &self.script {
+            let _ = writeln!(page, "<script>{}</script>", script.source);
+        }
+        page.push_str("</html>\n");
+        Ok(page)
+    }
+
+    /// Nothing from elsewhere, and no program but ours.
+    fn policy(&self) -> String {
+        let script = self.script.as_ref().map_or_else(
+            || "'none'".to_owned(),
+            |script| format!("'sha256-{}'", script.sha256),
+        );
+        format!(
+            "default-src 'none'; style-src 'unsafe-inline'; script-src {script}; \
+             base-uri 'none'; form-action 'none'"
+        )
+    }
+
+    fn put_headlines(&self, page: &mut String) {
+        if self.headlines.is_empty() {
+            return;
+        }
+        page.push_str("<ul class=\"headlines\">\n");
+        for headline in &self.headlines {
+            let Headline {
+                what,
+                value,
+                asked,
+                kept,
+            } = headline;
+            // A sign and a word, so that it does not take colour to see it.
+            let (class, sign) = if *kept {
+                ("kept", "\u{2713} as asked")
+            } else {
+                ("broken", "\u{2717} not as asked")
+            };
+            let _ = writeln!(
+                page,
+                "<li class=\"{class}\"><span class=\"what\">{}</span> \
+                 <strong>{}</strong> <span class=\"asked\">{}</span> \
+                 <span class=\"sign\">{sign}</span></li>",
+                escaped(what),
+                escaped(value),
+                escaped(asked)
+            );
+        }
+        page.push_str("</ul>\n");
+    }
+
+    fn put_section(&self, page: &mut String, section: &Section) -> Result<(), PlotError> {
+        let _ = writeln!(page, "<section>\n<h2>{}</h2>", escaped(&section.title));
+        if !section.text.is_empty() {
+            let _ = writeln!(page, "<p class=\"text\">{}</p>", escaped(&section.text));
+        }
+        self.put_figures(page, &section.figures)?;
+        for (words, figures) in &section.folded {
+            let words = escaped(words);
+            let _ = writeln!(page, "<details>\n<summary>{words}</summary>");
+            self.put_figures(page, figures)?;
+            page.push_str("</details>\n");
+        }
+        page.push_str("</section>\n");
+        Ok(())
+    }
+
+    fn put_figures(&self, page: &mut String, figures: &[Figure]) -> Result<(), PlotError> {
+        let most_points = self.most_points();
+        page.push_str("<div class=\"figures\">\n");
+        for figure in figures {
+            let (title, body) = match &figure.picture {
+                Picture::Chart(chart) => (&chart.title, chart.element(most_points)?),
+                Picture::Timeline(timeline) => (&timeline.title, timeline.element()?),
+                Picture::Markup { title, html } => (title, html.clone()),
+            };
+            let class = if figure.wide { " class=\"wide\"" } else { "" };
+            let _ = writeln!(
+                page,
+                "<figure{class}>\n<figcaption>{}</figcaption>\n{body}",
+                escaped(title)
+            );
+            if !figure.note.is_empty() {
+                let _ = writeln!(page, "<p class=\"note\">{}</p>", escaped(&figure.note));
+            }
             page.push_str("</figure>\n");
         }
-        page.push_str("</div>\n</html>\n");
-        Ok(page)
+        page.push_str("</div>\n");
+        Ok(())
+    }
+
+    /// What each series may have.
+    fn most_points(&self) -> usize {
+        let figures = self.sections.iter().flat_map(Section::all_figures);
+        let series: usize = figures
+            .map(|figure| match &figure.picture {
+                Picture::Chart(chart) => chart.series.len(),
+                _ => 0,
+            })
+            .sum();
+        (MOST_POINTS / series.max(1)).max(FEWEST_POINTS)
     }
 
     fn put_summary(&self, page: &mut String) {
         if self.summary.is_empty() {
             return;
         }
-        page.push_str("<table>\n<thead><tr><th>measured<th>value<th>to compare</thead>\n<tbody>\n");
+        page.push_str(
+            "<section>\n<h2>All that was measured</h2>\n<table>\n\
+             <thead><tr><th>measured<th>value<th>to compare</thead>\n<tbody>\n",
+        );
         for SummaryRow { what, value, note } in &self.summary {
             let _ = writeln!(
                 page,
@@ -99,39 +298,8 @@ impl Report {
                 escaped(note)
             );
         }
-        page.push_str("</tbody>\n</table>\n");
+        page.push_str("</tbody>\n</table>\n</section>\n");
     }
-}
-
-/// The rules by which a chart's fixed colours become those of the page.
-fn roles() -> String {
-    let mut rules = String::new();
-    for (name, colour) in ROLES {
-        let value = hex(colour);
-        for property in ["stroke", "fill"] {
-            let _ = writeln!(
-                rules,
-                "svg [{property}=\"{value}\"] {{ {property}: var(--{name}); }}"
-            );
-        }
-    }
-    rules
-}
-
-fn escaped(text: &str) -> String {
-    let mut safe = String::with_capacity(text.len());
-    for character in text.chars() {
-        match character {
-            '&' => safe.push_str("&amp;"),
-            '<' => safe.push_str("&lt;"),
-            '>' => safe.push_str("&gt;"),
-            '"' => safe.push_str("&quot;"),
-            '\'' => safe.push_str("&#39;"),
-            control if control.is_control() => safe.push(' '),
-            other => safe.push(other),
-        }
-    }
-    safe
 }
 
 #[cfg(test)]
@@ -154,27 +322,47 @@ mod tests {
         chart
     }
 
+    fn report(charts: Vec<Chart>) -> Report {
+        let figures = charts.into_iter().map(|chart| Figure::chart(chart, ""));
+        Report {
+            sections: vec![Section {
+                figures: figures.collect(),
+                ..Section::default()
+            }],
+            ..Report::default()
+        }
+    }
+
     #[test]
     fn the_page_asks_for_nothing_and_escapes_everything() {
         let mut report = Report {
             title: "<b>title</b>".to_owned(),
             lead: "x & y".to_owned(),
-            charts: vec![chart(2, 10)],
-            ..Report::default()
+            headlines: vec![Headline {
+                what: "<u>".to_owned(),
+                ..Headline::default()
+            }],
+            ..report(vec![chart(2, 10)])
         };
+        report.sections[0].text = "<em>".to_owned();
         report.add("<i>", "1 < 2", "it's");
         let page = report.html().expect("finite");
         for text in [
             "&lt;b&gt;title",
             "x &amp; y",
+            "&lt;u&gt;",
+            "&lt;em&gt;",
             "&lt;i&gt;",
             "1 &lt; 2",
             "it&#39;s",
+            "default-src 'none'; ",
+            "script-src 'none';",
         ] {
             assert!(page.contains(text), "{text}");
         }
         for text in [
-            "http", "//", "url(", "<b>", "<i>", "src=", "href=", "@import",
+            "http:", "https", "//", "url(", "<b>", "<i>", "<u>", "<em>", "src=", "href=",
+            "@import", "<script",
         ] {
             assert!(!page.contains(text), "{text}");
         }
@@ -184,11 +372,8 @@ mod tests {
 
     #[test]
     fn long_recordings_stay_below_three_megabytes() {
-        let report = Report {
-            charts: vec![chart(12, 60_000); 16],
-            ..Report::default()
-        };
-        let page = report.html().expect("finite");
+        let page = report(vec![chart(12, 60_000); 16]);
+        let page = page.html().expect("finite");
         assert!(page.len() < 3_000_000, "{} bytes", page.len());
         assert!(page.len() > 1_000_000, "{} bytes", page.len());
     }
@@ -197,12 +382,8 @@ mod tests {
     fn a_number_that_is_none_is_an_error() {
         let mut bad = chart(1, 3);
         bad.series[0].points[2].0 = f64::INFINITY;
-        let report = Report {
-            charts: vec![bad],
-            ..Report::default()
-        };
         assert!(matches!(
-            report.html(),
+            report(vec![bad]).html(),
             Err(PlotError::NotFinite { index: 2, .. })
         ));
     }

@@ -37,6 +37,14 @@ pub struct Transmission {
     pub frame: Frame,
 }
 
+impl Transmission {
+    /// Nanoseconds in which it kept the bus: itself, and the space that it must leave behind.
+    pub fn busy(&self) -> u64 {
+        let bit = (self.end.0 - self.start.0) / u64::from(self.bits.max(1));
+        u64::from(self.bits + bits::INTERFRAME) * bit
+    }
+}
+
 /// How much of the time the bus was taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Load {

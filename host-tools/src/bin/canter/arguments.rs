@@ -97,6 +97,19 @@ pub enum Verb {
     Gait(GaitArguments),
     /// Prove the promise: random robots, commands, hostile traffic and faults, in virtual time.
     Soak(Soak),
+    /// Print canter.dbc: the protocol for other tools.
+    Dbc,
+    /// Print what a shell needs to complete this command line.
+    Completions(Completions),
+    /// Print the manual page.
+    Man,
+}
+
+#[derive(Args)]
+pub struct Completions {
+    /// Which shell.
+    #[arg(value_enum)]
+    pub shell: clap_complete::Shell,
 }
 
 #[derive(Args)]

@@ -5,12 +5,13 @@ use anyhow::{Context as _, Result};
 use canter::bus::{Address, Bitrate, Bus};
 use canter::client::Client;
 use canter::notation::AxisList;
+use canter::profile::table::parse_times;
 use canter::robot::Robot;
 use canter::sim::{Configuration, SimulatedBus};
 use canter_shared::wire::id::AxisId;
 use std::collections::hash_map::RandomState;
 use std::hash::{BuildHasher, Hasher};
-use std::io::Write;
+use std::io::{Read, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -102,6 +103,19 @@ pub fn print_all(lines: impl Iterator<Item = String>) -> Result<()> {
         }
         _ => Ok(()),
     }
+}
+
+/// The times that `--at` names: one on each line of a file, or of stdin for `-`.
+pub fn read_times(name: &str) -> Result<Vec<f64>> {
+    let mut text = String::new();
+    if name == "-" {
+        std::io::stdin()
+            .read_to_string(&mut text)
+            .context("--at -: stdin cannot be read")?;
+    } else {
+        text = std::fs::read_to_string(name).with_context(|| format!("--at {name}"))?;
+    }
+    parse_times(&text).with_context(|| format!("--at {name}"))
 }
 
 /// A session that no other host is likely to have drawn.

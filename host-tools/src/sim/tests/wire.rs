@@ -17,6 +17,7 @@ fn frames_keep_their_distance_and_the_load_is_their_sum() {
     for sent in &record.frames {
         assert_eq!(sent.end.0 - sent.start.0, u64::from(sent.bits) * 1_000);
         busy += sent.end.0 - sent.start.0 + 3_000;
+        assert_eq!(sent.busy(), sent.end.0 - sent.start.0 + 3_000);
     }
     assert_eq!(before.busy, busy);
     assert!((0.05..0.5).contains(&before.share()), "{}", before.share());
