@@ -1,6 +1,11 @@
 //! Twelve axes of the simulated robot are led along knots, and what happens when the bus or the
 //! host does not keep up.
 
+/// Here so that the file lies in a folder of its own.
+mod streaming {
+    mod losses;
+}
+
 use canter::bus::{Bus, BusError, Received};
 use canter::client::{Client, ClientError, Pace, StreamKnot};
 use canter::sim::{Configuration, Record, SimulatedBus};
@@ -149,7 +154,7 @@ fn twelve_axes_follow_their_knots_together() {
 
 #[test]
 fn other_paces_do_as_well() {
-    for (period, look_ahead) in [(5, 100), (50, 20), (255, 1_000)] {
+    for (period, look_ahead) in [(5, 100), (10, 100), (50, 20), (255, 1_000)] {
         let mut robot = robot(|_, command| Some(command));
         let axes = robot.axes.clone();
         let pace = Pace {
@@ -287,9 +292,14 @@ fn an_axis_without_room_is_sent_the_knot_again() {
     };
     let mut robot = robot(late);
     let axes = robot.axes.clone();
+    // As far ahead as they could hold.
+    let pace = Pace {
+        look_ahead: Ticks(1_000),
+        ..Pace::default()
+    };
     let ends = robot
         .client
-        .stream(&axes, Pace::default(), knots(SECONDS))
+        .stream(&axes, pace, knots(SECONDS))
         .expect("arrives");
     assert!(ends.iter().all(|end| end.missing == 0), "{ends:?}");
     // They were full once; from then on their knots were sent later.

@@ -2,12 +2,13 @@
 //! break a limit are refused while it walks on.
 
 use canter::bus::Bitrate;
-use canter::client::Client;
+use canter::client::{Client, Goal, MoveRequest, Overrides, Target};
 use canter::gait::{Body, Kind, Quadruped};
 use canter::robot::Robot;
 use canter::sim::{Configuration, Record, SimulatedBus};
 use canter::walk::joints::{axes, positions};
-use canter::walk::{Order, Orders, Phase, Settings, WalkError, Walked, preflight, walk};
+use canter::walk::{Order, Orders, Phase, Sequence, Settings, WalkError, Walked, preflight, walk};
+use canter_shared::wire::command::ProfileKind;
 use canter_shared::wire::id::AxisId;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -242,4 +243,52 @@ fn a_preflight_names_what_it_found_and_where_to_begin() {
     assert!((well.budget.rate() - rate).abs() < 1e-6);
     let full = look(&mut robot.client, 250_000).expect_err("too full");
     assert!(full.to_string().contains("250000 bit/s"), "{full}");
+}
+
+#[test]
+fn a_preflight_knows_where_the_legs_are_and_sends_nobody_far() {
+    let mut robot = enabled();
+    let model = Robot::default();
+    let settings = Settings::new(Kind::Trot.gait(), FAST);
+    let quadruped = Quadruped::of(&model).expect("four legs");
+    let mut go = |targets: &[f64; 12]| {
+        let goals = robot.axes.iter().zip(targets);
+        let request = MoveRequest {
+            goals: goals
+                .map(|(axis, target)| Goal {
+                    axis: *axis,
+                    target: Target::Absolute(*target),
+                })
+                .collect(),
+            profile: ProfileKind::Beta,
+            duration: None,
+            limits: Overrides::default(),
+            independent: false,
+        };
+        let moved = robot.client.move_together(&model, &request, |_| {});
+        moved.expect("inside its limits");
+        let bitrate = Bitrate::default();
+        preflight(&mut robot.client, &model, false, &settings, bitrate)
+    };
+    let at_start = |settings: &Settings| {
+        let mut sequence = Sequence::new(quadruped.clone(), settings).expect("in reach");
+        positions(&sequence.advance(0.0).expect("in reach"))
+    };
+    let standing = Settings {
+        begins_standing: true,
+        ..settings
+    };
+    for (begins_standing, pose) in [(false, at_start(&settings)), (true, at_start(&standing))] {
+        let near = pose.map(|position| position + 0.09);
+        assert_eq!(
+            go(&near).expect("near").settings.begins_standing,
+            begins_standing
+        );
+        let mut far = pose;
+        far[7] += 0.11;
+        let error = go(&far).expect_err("too far").to_string();
+        let words = format!("axis 8 (rear left) is at {:.3} rad", far[7]);
+        assert!(error.contains(&words), "{error}");
+        assert!(error.contains("`canter move 8=0.000`"), "{error}");
+    }
 }

@@ -1,5 +1,7 @@
 //! Streamed motion: the curve is the Hermite polynomial, knots and limits are kept, losses noticed.
 
+#[path = "stream/advance.rs"]
+mod advance;
 #[path = "stream/brake.rs"]
 mod brake;
 #[path = "stream/hermite.rs"]
@@ -316,6 +318,8 @@ proptest! {
                         }
                         stream.at(Tick(now));
                         stream.at(Tick(now / 2 + start / 2));
+                        stream.advance(Tick(now / 2 + start / 2));
+                        stream.at(Tick(now));
                     }
                 }
             }

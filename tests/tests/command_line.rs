@@ -303,3 +303,33 @@ fn a_robot_file_shapes_an_axis() {
         assert!(refused.stderr.contains(word), "{refused:#?}");
     }
 }
+
+#[test]
+fn other_tools_get_the_protocol_completions_and_a_manual() {
+    let file = canter_tests::root().join("canter.dbc");
+    let dbc = std::fs::read_to_string(file).expect("canter.dbc");
+    // Lines are compared as a process gives them, without what ends them.
+    let printed = canter("dbc").success().stdout;
+    assert!(printed.trim_end() == dbc.trim_end(), "dbc");
+    let help = canter("--help").success().stdout;
+    let lines = help.lines().skip_while(|line| *line != "Commands:");
+    // What goes on with a verb's description is further in.
+    let verbs: Vec<&str> = lines
+        .skip(1)
+        .map_while(|line| line.strip_prefix("  "))
+        .filter(|line| !line.starts_with(' '))
+        .filter_map(|line| line.split_whitespace().next())
+        .collect();
+    assert!(verbs.len() > 15, "{help}");
+    let manual = canter("man").success().stdout;
+    for shell in ["bash", "zsh", "fish"] {
+        let script = canter(&format!("completions {shell}")).success().stdout;
+        for verb in &verbs {
+            assert!(script.contains(verb), "{shell} lacks {verb}");
+        }
+    }
+    for verb in verbs.iter().filter(|verb| **verb != "help") {
+        assert!(manual.contains(&format!("canter\\-{verb}")), "{verb}");
+    }
+    assert_eq!(canter("completions sh").status.code(), Some(2));
+}

@@ -3,7 +3,9 @@
 /// Here so that the files lie in a folder of their own.
 mod gait {
     mod continuity;
+    mod lossy;
     mod output;
+    mod run;
 
     use canter_tests::process::{Finished, Process};
     use std::process::Command;

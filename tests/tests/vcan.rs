@@ -5,6 +5,7 @@ mod vcan {
     mod double;
     mod flood;
     mod moves;
+    mod paths;
     mod refusals;
     mod robot;
     mod store;

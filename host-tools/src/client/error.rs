@@ -45,6 +45,18 @@ pub enum ClientError {
         /// What the reason's table says.
         detail: u32,
     },
+    /// The bus loses so many knots that a stream is not safe.
+    #[error(
+        "axis {axis} lost {lost} of its last {of} knots: check the bus's wiring, termination and bit rate, and who else sends on it"
+    )]
+    Lossy {
+        /// Which axis.
+        axis: AxisId,
+        /// How many were lost.
+        lost: u64,
+        /// Of how many.
+        of: u64,
+    },
     /// An axis is not enabled.
     #[error(
         "axis {axis} is not enabled ({state}): run `canter enable {axis}` first, or add --enable"

@@ -3,16 +3,18 @@
 use canter_shared::axis::Counters;
 use canter_shared::axis::fault::Fault;
 use canter_shared::axis::state::State;
+use canter_shared::parameter::Parameter;
 use canter_shared::time::BusTime;
 use canter_shared::units::{Position, Velocity};
 use canter_shared::wire::ProtocolVersion;
-use canter_shared::wire::command::Session;
+use canter_shared::wire::command::{Item, Session};
 use canter_shared::wire::id::{AxisId, Function};
 use canter_shared::wire::reason::Reason;
 use canter_shared::wire::report::{Board, IdentityPart, Report};
 use std::collections::BTreeMap;
 
 use super::assign::ChipId;
+use super::link::MILLISECOND;
 
 /// An answer that an axis gave.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,7 +53,26 @@ pub struct KnownAxis {
     pub(super) feedbacks: u64,
 }
 
+/// Silence of a stream's axis after which it counts as lost: together with a stop, within the 250 ms after
+/// which the axes miss their host.
+const STREAM_SILENCE: u64 = 180 * MILLISECOND;
+
+/// The same where nobody asked the axis how often it reports, which is every 20 ms as a rule.
+const UNKNOWN_SILENCE: u64 = 500 * MILLISECOND;
+
+/// Reports that may be missing in a row, of an axis that seldom reports.
+const REPORTS: u64 = 3;
+
 impl KnownAxis {
+    /// Silence after which it counts as lost while a stream leads it, in microseconds.
+    pub(super) fn silence(&self) -> u64 {
+        let period = (Parameter::FeedbackPeriod.into(), Item::Value.into());
+        match self.parameters.get(&period) {
+            Some(ticks) => STREAM_SILENCE.max(REPORTS * ticks.unsigned_abs() * MILLISECOND),
+            None => UNKNOWN_SILENCE,
+        }
+    }
+
     pub(super) fn learn(&mut self, report: &Report, now: BusTime) {
         self.heard = now;
         match *report {

@@ -77,6 +77,23 @@ impl<B: Bus> Client<B> {
         }
     }
 
+    /// Learns what has arrived already: a host that was held up knows as much as one that was not.
+    pub(super) fn catch_up(&mut self) -> Result<(), ClientError> {
+        let now = self.bus.now();
+        while let Some(received) = self.bus.receive(now)? {
+            self.learn(received.time, received.event);
+            if received.time > now {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether an axis has answered to a command of this number.
+    pub(super) fn has_answered(&self, axis: AxisId, sequence: u8, command: &Command) -> bool {
+        answer_of(&self.axes, axis, sequence, command).is_some()
+    }
+
     fn learn(&mut self, now: BusTime, event: Event) {
         match event {
             Event::Frame(frame) => {

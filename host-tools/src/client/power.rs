@@ -173,17 +173,25 @@ impl<B: Bus> Client<B> {
         Ok(())
     }
 
-    /// Stops axes, whoever holds them, and waits until they rest; gives where each rests, in rad.
+    /// Stops axes, whoever holds them, and waits until they rest; gives where each rests, in rad. All of
+    /// them are told at once, before any answer is waited for.
     ///
     /// # Errors
-    /// An axis that does not answer or does not come to rest.
+    /// An axis that does not answer or does not come to rest; the others rest then.
     pub fn stop(&mut self, axes: &[AxisId]) -> Result<BTreeMap<AxisId, f64>, ClientError> {
         let sequence = self.next_sequence();
         let questions: Vec<_> = axes
             .iter()
             .map(|axis| (*axis, Command::Stop { sequence }))
             .collect();
-        self.demand(sequence, &questions)?;
+        if let Err(error) = self.demand(sequence, &questions) {
+            // One that does not answer keeps nobody from waiting for the others.
+            let answered =
+                |(axis, command): &&(AxisId, Command)| self.has_answered(*axis, sequence, command);
+            let there = questions.iter().filter(answered).map(|(axis, _)| *axis);
+            self.wait_for_rest(&there.collect::<Vec<_>>())?;
+            return Err(error);
+        }
         self.wait_for_rest(axes)
     }
 

@@ -3,19 +3,29 @@
 //! All axes begin at one tick. From then on each gets one knot for each period, somewhat ahead of
 //! its time. Knots are not answered unless something is wrong with them, so nothing is waited for;
 //! what an axis does say is looked at between two periods. The last knot is at rest, and so the
-//! stream ends.
+//! stream ends; it is sent again until it is due, since no later knot would tell that it was lost.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `under_way` | the knots that are out, and when each is due |
+//! | `answers` | what axes say to their knots, and what is sent again |
+//! | `losses` | how many knots an axis may lose until that is too many |
+
+mod answers;
+mod losses;
+mod under_way;
 
 use super::link::{MILLISECOND, after};
 use super::{Client, ClientError};
 use crate::bus::Bus;
 use canter_shared::motion::stream::LOOK_AHEAD;
-use canter_shared::time::{BusTime, Tick, Ticks};
-use canter_shared::units::{Position, Velocity};
-use canter_shared::wire::command::{Command, wire_position, wire_velocity};
-use canter_shared::wire::id::{AxisId, Function};
-use canter_shared::wire::reason::Reason;
+use canter_shared::time::{BusTime, Ticks};
+use canter_shared::wire::command::Command;
+use canter_shared::wire::id::AxisId;
+use losses::Losses;
 use std::collections::VecDeque;
 use std::num::NonZeroU8;
+use under_way::{Sent, Stream, Timing};
 
 /// Between the command that begins a stream and the first knot: time for the command to be asked
 /// for again where it was lost.
@@ -26,12 +36,6 @@ const LATENCY: u64 = 20 * MILLISECOND;
 
 /// How much later than its last knot a stream may end until it counts as lost.
 const GRACE: u64 = 2_000 * MILLISECOND;
-
-/// Silence after which an axis counts as lost: its feedback comes every 20 ms.
-const SILENCE: u64 = 500 * MILLISECOND;
-
-/// Knots are numbered from 0 to 63.
-const NUMBERS: u64 = 64;
 
 /// Where an axis is to be at a knot's time, and how fast it is to pass there.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -91,93 +95,6 @@ pub struct StreamEnd {
     pub skew_microseconds: u64,
     /// Knots that were lost on their way and bridged by the axis.
     pub missing: u32,
-}
-
-/// What has been sent to one axis.
-struct Sent {
-    axis: AxisId,
-    /// The knot that is to be sent next, counted from 1.
-    next: u64,
-    /// So much later than the others', in microseconds: the axis had no room when they were due.
-    delay: u64,
-    missing: u32,
-    /// Where the last knot is, and whether it is at rest there.
-    last: (Position, bool),
-}
-
-/// When each knot is due.
-#[derive(Clone, Copy)]
-struct Timing {
-    start: Tick,
-    pace: Pace,
-}
-
-impl Timing {
-    /// When the axes are to pass the knot of this number.
-    fn due(&self, number: u64) -> BusTime {
-        after(self.start.time(), number * self.pace.period())
-    }
-
-    /// When it is to be sent.
-    fn departs(&self, number: u64) -> BusTime {
-        BusTime(self.due(number).0.saturating_sub(self.pace.look_ahead()))
-    }
-}
-
-/// A stream under way.
-struct Stream {
-    sequence: u8,
-    timing: Timing,
-    sent: Vec<Sent>,
-    /// Knots of all axes that an axis may still ask for again, the first of them numbered `first`.
-    window: VecDeque<Vec<Command>>,
-    first: u64,
-    /// Whether there are no more.
-    complete: bool,
-}
-
-impl Stream {
-    /// The knot that comes after those that are there.
-    fn following(&self) -> u64 {
-        self.first + self.window.len() as u64
-    }
-
-    /// Takes one more knot for each axis.
-    fn take(&mut self, knots: &[StreamKnot]) -> Result<(), ClientError> {
-        if knots.len() != self.sent.len() {
-            return Err(ClientError::KnotCount {
-                axes: self.sent.len(),
-                knots: knots.len(),
-            });
-        }
-        let number = (self.following() % NUMBERS) as u8;
-        let mut commands = Vec::with_capacity(knots.len());
-        for (knot, sent) in knots.iter().zip(&mut self.sent) {
-            let axis = sent.axis;
-            let quantity = |source| ClientError::Quantity { axis, source };
-            let position = wire_position(Position::from_radians(knot.position).map_err(quantity)?);
-            let velocity = wire_velocity(Velocity::from_radians(knot.velocity).map_err(quantity)?);
-            sent.last = (position, velocity == Velocity::ZERO);
-            commands.push(Command::Knot {
-                position,
-                velocity,
-                number,
-            });
-        }
-        self.window.push_back(commands);
-        Ok(())
-    }
-
-    /// Forgets knots whose time has long passed: nobody asks for them any more.
-    fn forget(&mut self, now: BusTime) {
-        while !self.window.is_empty()
-            && after(self.timing.due(self.first), self.timing.pace.look_ahead()) < now
-            && self.sent.iter().all(|sent| sent.next > self.first)
-        {
-            self.window.pop_front();
-            self.first += 1;
-        }
-    }
 }
 
 impl<B: Bus> Client<B> {
@@ -264,6 +181,8 @@ impl<B: Bus> Client<B> {
             next: 1,
             delay: 0,
             missing: 0,
+            losses: Losses::default(),
+            asked_again: (0, 0),
             last: (position(axis).unwrap_or_default(), true),
         });
         Ok(Stream {
@@ -303,57 +222,20 @@ impl<B: Bus> Client<B> {
         Ok(())
     }
 
-    /// Looks at what the axes said about their knots, and for trouble.
-    fn hear_answers(&mut self, stream: &mut Stream) -> Result<(), ClientError> {
-        let now = self.bus.now();
-        let (first, following) = (stream.first, stream.following());
-        let timing = stream.timing;
-        for sent in &mut stream.sent {
-            let axis = sent.axis;
-            let Some(known) = self.axes.get_mut(&axis) else {
-                continue;
-            };
-            if now > after(known.heard, SILENCE) {
-                let bus = self.bus.description();
-                return Err(ClientError::NoAnswer { axis, bus });
-            }
-            if let Some(fault) = known.fault {
-                return Err(ClientError::Faulted { axis, fault });
-            }
-            for answer in known
-                .answers
-                .extract_if(.., |a| a.function == Function::Knot)
-            {
-                match answer.reason {
-                    Reason::Accepted => sent.missing += answer.detail,
-                    Reason::StreamFull => {
-                        // From that one on again, and all of them later: of the last 64 there is
-                        // one of this number.
-                        let back = following - 1 + NUMBERS - u64::from(answer.sequence);
-                        let number = (following - 1).saturating_sub(back % NUMBERS).max(first);
-                        sent.next = sent.next.min(number);
-                        let room = after(now, u64::from(answer.detail + 1) * MILLISECOND);
-                        let late = room.0.saturating_sub(timing.departs(number).0);
-                        sent.delay = sent.delay.max(late);
-                    }
-                    reason => {
-                        return Err(ClientError::Refused {
-                            axis,
-                            function: Function::Knot,
-                            reason,
-                            detail: answer.detail,
-                        });
-                    }
-                }
-            }
-        }
-        Ok(())
-    }
-
     /// Waits until all axes rest at their last knots.
     fn finish_stream(&mut self, stream: &mut Stream) -> Result<Vec<StreamEnd>, ClientError> {
         let end = stream.timing.due(stream.following() - 1);
         let deadline = after(end, GRACE);
+        while after(self.bus.now(), LATENCY) < end {
+            if let Some(last) = stream.window.back() {
+                for (sent, command) in stream.sent.iter().zip(last) {
+                    self.tell(sent.axis.into(), *command)?;
+                }
+            }
+            let next = after(self.bus.now(), stream.timing.pace.period());
+            self.wait(next.min(end), |_| false)?;
+            self.hear_answers(stream)?;
+        }
         loop {
             let next = after(self.bus.now(), 50 * MILLISECOND).min(deadline);
             let over = self.wait(next, |known| {

@@ -11,8 +11,8 @@ use canter_shared::motion::bezier::Bezier;
 use std::f64::consts::{PI, TAU};
 use std::fmt;
 
-/// A shape of a cycle.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// A shape of a cycle; on the command line by its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Preset {
     /// A circle of 40 mm around the place of rest, whatever the speed.
     Circle,

@@ -17,10 +17,11 @@ pub struct Mount {
 }
 
 impl Mount {
-    /// Where the foot is below the body when nobody goes anywhere: forward and to the left, in m.
+    /// Where the foot is when nobody goes anywhere: below its leg's plane upright, forward and to the
+    /// left, in m.
     pub fn neutral(&self) -> [f64; 2] {
         let [forward, left, _] = self.leg.place;
-        [forward, left + self.leg.kinematics.hip()]
+        [forward, left]
     }
 
     /// How the axes move where the foot, seen from the hip, moves like this.

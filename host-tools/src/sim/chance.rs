@@ -37,11 +37,17 @@ impl Chance {
             next: [NEVER; KINDS],
             due: NEVER,
         };
-        for kind in 0..KINDS {
-            chance.next[kind] = chance.after(TrueTime::default(), kind);
-        }
-        chance.due = chance.next.iter().copied().min().unwrap_or(NEVER);
+        chance.change(TrueTime::default(), rates);
         chance
+    }
+
+    /// Other rates from now on.
+    pub(super) fn change(&mut self, now: TrueTime, rates: Rates) {
+        self.rates = rates;
+        for kind in 0..KINDS {
+            self.next[kind] = self.after(now, kind);
+        }
+        self.due = self.next.iter().copied().min().unwrap_or(NEVER);
     }
 
     /// When something happens next.

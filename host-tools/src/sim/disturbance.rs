@@ -166,6 +166,11 @@ pub struct Recurring {
 }
 
 impl SimulatedBus {
+    /// Has things go wrong at other rates from now on.
+    pub fn set_rates(&mut self, rates: Rates) {
+        self.chance.change(self.now, rates);
+    }
+
     /// Has something go wrong now.
     pub fn disturb(&mut self, disturbance: Disturbance) {
         if let Some(observer) = &mut self.observer {

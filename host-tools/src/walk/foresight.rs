@@ -71,7 +71,7 @@ impl Foresight {
         Ok(())
     }
 
-    /// Whether the cubic from one knot to the next keeps the limits.
+    /// Whether the cubic from one knot to the next keeps the limits, with room for the wire's rounding.
     fn hold(
         &self,
         from: &[StreamKnot],
@@ -97,13 +97,13 @@ impl Foresight {
             } = cubic_peaks(from, to, period);
             let most = usable(bounds, period);
             if velocity > most.velocity {
-                return over("a velocity", velocity, bounds.velocity, "rad/s");
+                return over("a velocity", velocity, most.velocity, "rad/s");
             }
             if acceleration > most.acceleration {
                 return over(
                     "an acceleration",
                     acceleration,
-                    bounds.acceleration,
+                    most.acceleration,
                     "rad/s^2",
                 );
             }

@@ -303,8 +303,13 @@ impl Course {
 
     /// Goes on to `tick`: where the other motion takes over, gives the departure that it brings.
     pub(super) fn advance(&mut self, tick: Tick) -> Option<Option<Departure>> {
-        let next = self.next.take_if(|next| next.splice <= tick)?;
-        self.turned = !self.turned;
-        Some(next.departure)
+        let next = self.next.take_if(|next| next.splice <= tick);
+        if next.is_some() {
+            self.turned = !self.turned;
+        }
+        if let Lead::Stream(stream) = self.lead_mut() {
+            stream.advance(tick);
+        }
+        next.map(|next| next.departure)
     }
 }

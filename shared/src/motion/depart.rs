@@ -18,7 +18,8 @@ impl Motion {
     /// follows the other if that leads the same way; else, and where something else is under way,
     /// the axis stops first. An s-curve leads from the commanded position, velocity and acceleration
     /// to the new target, and a trapezoid from the commanded velocity. What is under way goes on
-    /// until `start`. Where the way to the new target would leave the travel, the axis stops first.
+    /// until `start`. The axis stops first where the way to the new target would leave the travel, and
+    /// where an s-curve would pass the velocity limit: in a stop that is harder than the jerk limit.
     ///
     /// A move that was taken on but has not left yet is replaced.
     ///

@@ -15,9 +15,21 @@
 //! A stream whose last knot passes in motion has run dry: it brakes by itself from that knot's tick
 //! on, see `brake`.
 
+//! | file | what it holds |
+//! |---|---|
+//! | `stretch` | a knot that was taken on, in 24 bytes |
+//! | `shape` | the derivatives between two knots in Bernstein form |
+//! | `check` | whether they keep the limits |
+//! | `piece` | the polynomials between two knots, and their values |
+//! | `brake` | how a stream that has run dry comes to rest |
+//! | `error` | why a knot is refused |
+
 mod brake;
+mod check;
 mod error;
 mod piece;
+mod shape;
+mod stretch;
 
 pub use error::KnotError;
 
@@ -29,9 +41,10 @@ use brake::Brake;
 use core::num::NonZeroU8;
 use heapless::Deque;
 use piece::Piece;
+use stretch::{Place, Stretch};
 
-/// Pieces that a stream holds: the one under way and 100 ms ahead of it at a period of 20 ms.
-pub const LOOK_AHEAD: usize = 100 / 20 + 1;
+/// Stretches that a stream holds: the one under way and 100 ms ahead of it at a period of 10 ms.
+pub const LOOK_AHEAD: usize = 100 / 10 + 1;
 
 /// Periods that one piece may span: one, and those of lost knots.
 pub const LONGEST_GAP: u8 = 8;
@@ -73,19 +86,13 @@ enum Breach {
     Acceleration(i64),
 }
 
-/// A knot in counts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Place {
-    position: i64,
-    velocity: i64,
-    acceleration: Option<i64>,
-}
-
-/// A stream of knots: the pieces between those that have not passed yet.
+/// A stream of knots: those that have not passed yet, and the piece under way.
 #[derive(Debug, Clone)]
 pub struct Stream {
-    /// The tick of the knot that the first piece begins with.
+    /// The tick of the knot that the first stretch begins with.
     begins: Tick,
+    /// That knot.
+    from: Place,
     /// The tick of the last knot: from there on it brakes.
     ends: Tick,
     period: NonZeroU8,
@@ -97,31 +104,32 @@ pub struct Stream {
     brake: Brake,
     /// Whether no knot is taken on any more.
     closed: bool,
-    pieces: Deque<Piece, LOOK_AHEAD>,
+    stretches: Deque<Stretch, LOOK_AHEAD>,
+    /// The piece of the first stretch, once that is under way: a tick asks it, and it takes long to make.
+    piece: Option<Piece>,
 }
 
 impl Stream {
     /// Begins at `start` with the setpoint of that tick, which counts as the knot of this number.
     /// The knot numbered n more is due n periods of so many ticks later.
     pub fn new(start: Tick, number: u8, state: Setpoint, period: NonZeroU8) -> Self {
+        let from = place(state);
         Self {
             begins: start,
+            from,
             ends: start,
             period,
             number,
-            last: Place {
-                position: state.position.counts(),
-                velocity: state.velocity.counts(),
-                acceleration: Some(state.acceleration.counts()),
-            },
+            last: from,
             exit: state.acceleration.counts(),
             brake: Brake::AT_ONCE,
             closed: false,
-            pieces: Deque::new(),
+            stretches: Deque::new(),
+            piece: None,
         }
     }
 
-    /// Takes on a knot, where `now` is the tick of the last setpoint. Pieces that have ended by then
+    /// Takes on a knot, where `now` is the tick of the last setpoint. Stretches that have ended by then
     /// are dropped.
     ///
     /// Numbers count upwards and wrap. Where some are left out, one longer piece bridges the gap;
@@ -151,9 +159,8 @@ impl Stream {
             return Err(KnotError::TooManyMissing { missing });
         }
         self.drop_ended(now);
-        if self.pieces.is_full() {
-            let first = self.pieces.front().map_or(0, Piece::ticks);
-            let room = self.begins.after(Ticks(first.into()));
+        if self.stretches.is_full() {
+            let room = self.first_ends().unwrap_or(ended);
             return Err(KnotError::Full { room });
         }
         let to = Place {
@@ -172,7 +179,7 @@ impl Stream {
         if !limits.allow(knot.position) {
             return Err(outside(to.position));
         }
-        let piece = Piece::between(&self.last, &to, ticks, limits).map_err(|breach| {
+        let exit = check::check(&self.last, &to, ticks, limits).map_err(|breach| {
             let limit = limits.velocity();
             match breach {
                 Breach::Travel(position) => outside(position),
@@ -187,8 +194,8 @@ impl Stream {
             }
         })?;
         can_stop(knot, limits)?;
-        let exit = piece.exit_acceleration();
-        if self.pieces.push_back(piece).is_err() {
+        let stretch = Stretch::new(&to, ahead);
+        if self.stretches.push_back(stretch).is_err() {
             return Err(KnotError::Full { room: ended });
         }
         self.ends = ended.after(Ticks(ticks.into()));
@@ -199,14 +206,32 @@ impl Stream {
         Ok(Pushed::Accepted { missing })
     }
 
+    /// Goes on to `now`, the tick of the next setpoint: what has ended is dropped, and the piece of the
+    /// stretch that is entered is made. Without this, [`Self::at`] makes it each time.
+    pub fn advance(&mut self, now: Tick) {
+        self.drop_ended(now);
+        if self.piece.is_none()
+            && now >= self.begins
+            && let Some(first) = self.stretches.front()
+        {
+            let (to, ticks) = (first.to(), first.ticks(self.period));
+            Piece::make(&mut self.piece, &self.from, &to, ticks);
+        }
+    }
+
+    /// When the first stretch ends.
+    fn first_ends(&self) -> Option<Tick> {
+        let ticks = self.stretches.front()?.ticks(self.period);
+        Some(self.begins.after(Ticks(ticks.into())))
+    }
+
     fn drop_ended(&mut self, now: Tick) {
-        while let Some(first) = self.pieces.front() {
-            let end = self.begins.after(Ticks(first.ticks().into()));
-            if end > now {
-                break;
+        while let Some(end) = self.first_ends().filter(|end| *end <= now) {
+            if let Some(first) = self.stretches.pop_front() {
+                self.from = first.to();
             }
             self.begins = end;
-            self.pieces.pop_front();
+            self.piece = None;
         }
     }
 
@@ -220,24 +245,21 @@ impl Stream {
         self.closed
     }
 
-    /// Closes the stream and ends it at `tick`, which is not before the last `now` given to [`Self::push`]: from
-    /// there on it brakes. One that has ended by then is left as it is.
+    /// Closes the stream and ends it at `tick`, which is not before the last `now` given to [`Self::push`] or
+    /// [`Self::advance`]: from there on it brakes. One that has ended by then is left as it is.
     pub fn cut(&mut self, tick: Tick, limits: &Limits) {
         self.closed = true;
         if tick < self.ends {
             let state = self.at(tick);
             self.ends = tick;
-            self.last = Place {
-                position: state.position.counts(),
-                velocity: state.velocity.counts(),
-                acceleration: Some(state.acceleration.counts()),
-            };
+            self.last = place(state);
             self.exit = state.acceleration.counts();
             self.brake = Brake::new(self.last.position, self.last.velocity, limits);
         }
     }
 
-    /// The setpoint at `tick`, which must not be before the last `now` given to [`Self::push`].
+    /// The setpoint at `tick`, which must not be before the last `now` given to [`Self::push`] or
+    /// [`Self::advance`].
     ///
     /// After the last knot's tick it brakes to rest with the deceleration limit.
     pub fn at(&self, tick: Tick) -> Setpoint {
@@ -255,17 +277,34 @@ impl Stream {
             // Where another knot may still follow, there is no deceleration yet.
             return setpoint(last.position, last.velocity, self.exit);
         }
-        let mut left = tick.since(self.begins).0;
-        for piece in &self.pieces {
-            let ticks = u32::from(piece.ticks());
-            if left < ticks {
-                let (position, velocity, acceleration) = piece.at(left);
-                return setpoint(position, velocity, acceleration);
-            }
-            left -= ticks;
+        let elapsed = tick.since(self.begins).0;
+        if let Some(piece) = &self.piece
+            && elapsed < piece.ticks()
+        {
+            return piece.at(elapsed);
         }
-        // The pieces reach up to the end: this is never the case.
-        setpoint(last.position, last.velocity, 0)
+        self.ahead(elapsed)
+    }
+
+    /// The setpoint before the last knot where no piece is there yet.
+    #[cold]
+    fn ahead(&self, elapsed: u32) -> Setpoint {
+        let (mut before, mut left) = (None, elapsed);
+        for stretch in &self.stretches {
+            let ticks = stretch.ticks(self.period);
+            if left < u32::from(ticks) {
+                let from = before.map_or(self.from, Stretch::to);
+                let mut piece = None;
+                Piece::make(&mut piece, &from, &stretch.to(), ticks);
+                if let Some(piece) = piece {
+                    return piece.at(left);
+                }
+            }
+            left -= u32::from(ticks);
+            before = Some(stretch);
+        }
+        // The stretches reach up to the end: this is never the case.
+        setpoint(self.last.position, self.last.velocity, 0)
     }
 
     /// The tick of the last knot: without another one until then, the stream has run dry.
@@ -308,6 +347,14 @@ impl Stream {
                 .last
                 .acceleration
                 .is_none_or(|acceleration| acceleration == 0)
+    }
+}
+
+fn place(state: Setpoint) -> Place {
+    Place {
+        position: state.position.counts(),
+        velocity: state.velocity.counts(),
+        acceleration: Some(state.acceleration.counts()),
     }
 }
 

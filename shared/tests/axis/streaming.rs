@@ -9,6 +9,7 @@ use canter_shared::axis::state::State;
 use canter_shared::drive::{Condition, DriveReport};
 use canter_shared::limits::{DEFAULT_VALUES, LimitValues, Limits};
 use canter_shared::motion::shaping::{ShaperKind, Shaping};
+use canter_shared::motion::stream::LOOK_AHEAD;
 use canter_shared::time::Tick;
 use canter_shared::wire::command::{Action, Command};
 use canter_shared::wire::id::Function;
@@ -133,14 +134,15 @@ fn knots_are_refused_with_a_reason_and_change_nothing() {
     // As many as it holds, and how long to wait for one more.
     let (mut bench, _) = Bench::streaming(Limits::default(), 1.5, 2.0, 1);
     let mut full = None;
-    for number in 6..9 {
+    let held = LOOK_AHEAD as u32;
+    for number in 6..held + 3 {
         let (position, velocity) = quintic(1.5, 2.0, f64::from(number) * 0.02);
         match bench.send(knot(number, position, velocity)) {
             Outcome::Accepted => {}
             refused => full = full.or(Some((number, refused, bench.answer().detail))),
         }
     }
-    assert_eq!(full, Some((7, REFUSED(Reason::StreamFull), 20)));
+    assert_eq!(full, Some((held + 1, REFUSED(Reason::StreamFull), 20)));
     // Towards the end of the travel, too fast to stop.
     let mut bench = Bench::enabled(travel(0.3), 0.0);
     assert_eq!(bench.begin(1, 100, 0), Outcome::Accepted);

@@ -4,15 +4,19 @@
 //! |---|---|
 //! | `beta` | the beta S-curve against s-curve-beta |
 //! | `s_curve` | the time-optimal s-curve against Ruckig |
+//! | `gait` | a cycle of a trot against numpy |
 //! | `moves` | what is calculated |
 //! | `rounds` | timing in turns, medians, ratios |
+//! | `python` | a script that computes the same |
 //! | `cpp`, `ruckig.cpp` | Ruckig's C++, called directly |
 //!
 //! A ratio that misses its bound is printed as such; the run fails only where results disagree.
 
 mod beta;
 mod cpp;
+mod gait;
 mod moves;
+mod python;
 mod rounds;
 mod s_curve;
 
@@ -25,6 +29,7 @@ const SEED: u64 = 3;
 fn main() -> ExitCode {
     let results = [
         beta::run(),
+        gait::run(),
         s_curve::run("from rest", &moves::from_rest(MOVES, SEED)),
         s_curve::run("retarget", &moves::retargets(MOVES, SEED)),
     ];

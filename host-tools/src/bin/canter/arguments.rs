@@ -8,7 +8,7 @@ mod path;
 mod profile;
 
 pub use foot::{Foot, FootFormat};
-pub use gait::{GaitAction, GaitArguments, GaitFormat, GaitPlan};
+pub use gait::{GaitAction, GaitArguments, GaitFormat, GaitPlan, GaitRun};
 pub use leg::{LegAction, LegArguments};
 pub use param::{Param, ParamAction, ParamSet};
 pub use path::{Path, PathFormat};
@@ -93,10 +93,23 @@ pub enum Verb {
     Foot(Foot),
     /// Compute a leg's joints from its foot, or its foot from its joints, offline.
     Leg(LegArguments),
-    /// Show the gaits, and plan walks offline.
+    /// Show the gaits, plan walks offline, and walk on the robot.
     Gait(GaitArguments),
     /// Prove the promise: random robots, commands, hostile traffic and faults, in virtual time.
     Soak(Soak),
+    /// Print canter.dbc: the protocol for other tools.
+    Dbc,
+    /// Print what a shell needs to complete this command line.
+    Completions(Completions),
+    /// Print the manual page.
+    Man,
+}
+
+#[derive(Args)]
+pub struct Completions {
+    /// Which shell.
+    #[arg(value_enum)]
+    pub shell: clap_complete::Shell,
 }
 
 #[derive(Args)]

@@ -2,17 +2,21 @@
 
 use crate::arguments::{Arguments, BusAddress};
 use anyhow::{Context as _, Result};
-use canter::bus::{Address, Bus};
+use canter::bus::{Address, Bitrate, Bus};
 use canter::client::Client;
 use canter::notation::AxisList;
+use canter::profile::table::parse_times;
 use canter::robot::Robot;
 use canter::sim::{Configuration, SimulatedBus};
 use canter_shared::wire::id::AxisId;
 use std::collections::hash_map::RandomState;
 use std::hash::{BuildHasher, Hasher};
-use std::io::Write;
+use std::io::{Read, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+
+/// A client on whatever bus was chosen.
+pub type AnyClient = Client<Box<dyn Bus>>;
 
 /// The bus, the robot, the output.
 pub struct Context {
@@ -43,21 +47,37 @@ impl Context {
         matches!(self.address, Address::Simulated)
     }
 
-    /// Opens the bus; where it is the simulated one, says so.
-    pub fn open(&self) -> Result<Box<dyn Bus>> {
+    /// The bus's bit rate as far as it is known: that of the adapter, otherwise the usual one.
+    pub fn bitrate(&self) -> Bitrate {
+        match self.address {
+            Address::Slcan { bitrate, .. } => bitrate,
+            _ => Bitrate::default(),
+        }
+    }
+
+    /// Opens the bus; where it is the simulated one, says so, and gives it a bit rate.
+    pub fn open(&self, bitrate: Bitrate) -> Result<Box<dyn Bus>> {
         if self.is_simulated() {
             let axes = self.robot.axes().len();
             eprintln!("bus: sim, a simulated robot of {axes} axes; choose another with --can");
-            return Ok(Box::new(SimulatedBus::new(&Configuration::of(&self.robot))));
+            return Ok(Box::new(SimulatedBus::new(&Configuration {
+                bitrate,
+                ..Configuration::of(&self.robot)
+            })));
         }
         Ok(self.address.open()?)
     }
 
     /// A client on the bus, which ends what it does on an interrupt or a termination signal.
-    pub fn client(&self) -> Result<Client<Box<dyn Bus>>> {
-        let client = Client::new(self.open()?, random_session());
+    pub fn client(&self) -> Result<AnyClient> {
+        let client = self.deaf_client(self.bitrate())?;
         on_signal(client.interrupt())?;
         Ok(client)
+    }
+
+    /// A client on the bus that hears no signals.
+    pub fn deaf_client(&self, bitrate: Bitrate) -> Result<AnyClient> {
+        Ok(Client::new(self.open(bitrate)?, random_session()))
     }
 
     /// Prints a JSON document on stdout where that was asked for.
@@ -85,6 +105,19 @@ pub fn print_all(lines: impl Iterator<Item = String>) -> Result<()> {
     }
 }
 
+/// The times that `--at` names: one on each line of a file, or of stdin for `-`.
+pub fn read_times(name: &str) -> Result<Vec<f64>> {
+    let mut text = String::new();
+    if name == "-" {
+        std::io::stdin()
+            .read_to_string(&mut text)
+            .context("--at -: stdin cannot be read")?;
+    } else {
+        text = std::fs::read_to_string(name).with_context(|| format!("--at {name}"))?;
+    }
+    parse_times(&text).with_context(|| format!("--at {name}"))
+}
+
 /// A session that no other host is likely to have drawn.
 fn random_session() -> u16 {
     RandomState::new().build_hasher().finish() as u16
@@ -92,12 +125,16 @@ fn random_session() -> u16 {
 
 /// Sets `flag` on SIGINT, SIGTERM and SIGHUP.
 pub fn on_signal(flag: Arc<AtomicBool>) -> Result<()> {
-    ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))
-        .context("cannot install the signal handler")
+    on_signal_do(move || flag.store(true, Ordering::Relaxed))
+}
+
+/// Does something on each of these signals, beside the program.
+pub fn on_signal_do(act: impl FnMut() + Send + 'static) -> Result<()> {
+    ctrlc::set_handler(act).context("cannot install the signal handler")
 }
 
 /// The axes that a list means: all those that are heard on the bus, or these.
-pub fn resolve(client: &mut Client<Box<dyn Bus>>, list: &AxisList) -> Result<Vec<AxisId>> {
+pub fn resolve(client: &mut AnyClient, list: &AxisList) -> Result<Vec<AxisId>> {
     let heard = client.listen()?;
     match list {
         AxisList::These(axes) => Ok(axes.clone()),
@@ -110,7 +147,7 @@ pub fn resolve(client: &mut Client<Box<dyn Bus>>, list: &AxisList) -> Result<Vec
 }
 
 /// Tells what the bus complained of, on stderr.
-pub fn tell_complaints(client: &mut Client<Box<dyn Bus>>) {
+pub fn tell_complaints(client: &mut AnyClient) {
     for words in client.take_complaints() {
         eprintln!("bus: {words}");
     }

@@ -1,6 +1,7 @@
 //! The command `canter`: parses the command line, runs one verb, maps errors to exit codes.
 
 mod arguments;
+mod commander;
 mod context;
 mod verb;
 

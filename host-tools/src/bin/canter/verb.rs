@@ -15,6 +15,7 @@ mod scan;
 mod soak;
 mod status;
 mod stop;
+mod tools;
 
 use crate::arguments::{Arguments, Verb};
 use crate::context::Context;
@@ -43,6 +44,9 @@ pub fn run(arguments: Arguments) -> Result<()> {
         Verb::Gait(request) => gait::run(&context, &request.action),
         Verb::Leg(request) => leg::run(&context, &request.action),
         Verb::Soak(request) => soak::run(&context, &request),
+        Verb::Dbc => tools::dbc(),
+        Verb::Completions(wanted) => tools::completions(wanted.shell),
+        Verb::Man => tools::man(),
     }
 }
 

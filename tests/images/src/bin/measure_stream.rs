@@ -45,7 +45,7 @@ fn measure_stream() {
     let motion = Beta::new(Tick(0), range, Ticks(4_000));
     for (quintic, name) in [(false, "cubic"), (true, "quintic")] {
         let mut stream = Stream::new(Tick(0), 0, motion.at(Tick(0)), period);
-        let (mut push, mut at) = (0, 0);
+        let (mut push, mut advance, mut at, mut ahead) = (0, 0, 0, 0);
         let mut now = Tick(0);
         for number in 1..=200 {
             let knot = knot(motion.at(Tick(20 * number)), quintic);
@@ -53,16 +53,24 @@ fn measure_stream() {
             let pushed = count(|| stream.push(now, number as u8, black_box(&knot), &limits));
             push = push.max(pushed);
             if number as usize >= LOOK_AHEAD {
-                // Of all the pieces that are held.
+                // Of all the pieces that are held, as who plans asks for them.
                 for later in 0..20 * LOOK_AHEAD as u32 {
                     let tick = black_box(now.after(Ticks(later)));
-                    at = at.max(count(|| stream.at(tick)));
+                    ahead = ahead.max(count(|| stream.at(tick)));
                 }
-                now = now.after(Ticks(20));
+                // And of the one under way, as the tick asks.
+                for _ in 0..20 {
+                    let tick = black_box(now);
+                    advance = advance.max(count(|| stream.advance(tick)));
+                    at = at.max(count(|| stream.at(tick)));
+                    now = now.after(Ticks(1));
+                }
             }
         }
         assert!(stream.ends() == Tick(4_000), "every knot was taken on");
+        report(format_args!("stream.{name}.advance.most"), advance);
         report(format_args!("stream.{name}.at.most"), at);
+        report(format_args!("stream.{name}.at_ahead.most"), ahead);
         report(format_args!("stream.{name}.push.most"), push);
     }
     measure_hostile_knots(&limits, period, false, "cubic");

@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 pub struct Foot {
     /// The shape of the cycle; all of them are compared without it.
     #[arg(long, value_enum)]
-    pub preset: Option<FootPreset>,
+    pub preset: Option<Preset>,
     /// How fast the body goes forward, in mm/s, from -10000 to 10000.
     #[arg(
         long,
@@ -86,35 +86,6 @@ impl Foot {
             swing: self.swing / 1e3,
             stance: self.stance / 1e3,
             height: self.height / 1e3,
-        }
-    }
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-pub enum FootPreset {
-    /// A circle of 40 mm, whatever the speed and the swing.
-    Circle,
-    /// A line back and half a sine above it.
-    Cosine,
-    /// A Bezier curve of 12 points.
-    Mit,
-    /// Bezier curves of 8 points for x and 17 for z.
-    Pat92fr,
-    /// The same with other points.
-    Pat92fr2,
-    /// At rest over the ground at both ends, without a step of acceleration.
-    Swing,
-}
-
-impl From<FootPreset> for Preset {
-    fn from(preset: FootPreset) -> Self {
-        match preset {
-            FootPreset::Circle => Self::Circle,
-            FootPreset::Cosine => Self::Cosine,
-            FootPreset::Mit => Self::Mit,
-            FootPreset::Pat92fr => Self::Pat92fr,
-            FootPreset::Pat92fr2 => Self::Pat92fr2,
-            FootPreset::Swing => Self::Swing,
         }
     }
 }

@@ -1,7 +1,9 @@
 //! The command line of `gait`.
 
+use canter::bus::Bitrate;
 use canter::gait::{Body, Gait, Kind, LEGS, Quadruped, Request};
 use canter::notation::{angle, seconds};
+use canter::walk::Settings;
 use clap::{Args, Subcommand, ValueEnum};
 
 /// The time from row to row where nobody says otherwise, in s.
@@ -19,10 +21,18 @@ pub enum GaitAction {
     List,
     /// Plan a walk offline: from standing through some cycles back to standing.
     Plan(GaitPlan),
+    /// Walk on the robot: stand up, walk as ordered, settle and sit down.
+    ///
+    /// It begins where the legs hang, sit or stand. Without --orders the keys of a terminal lead: up
+    /// and down change the speed, left and right turn, comma and full stop go sideways, 1 to 6 change
+    /// the gait (walk, trot, pace, bound, pronk, gallop), 0 stands, space goes nowhere, q or Esc ends.
+    /// Ctrl-C settles and sits; a second one stops at once.
+    Run(GaitRun),
 }
 
+/// Which gait, and what the body does.
 #[derive(Args)]
-pub struct GaitPlan {
+pub struct GaitOptions {
     /// The gait; custom needs --offsets.
     #[arg(value_enum)]
     pub name: GaitName,
@@ -73,6 +83,12 @@ pub struct GaitPlan {
     /// How deep a foot pushes below the ground in the middle of its stance, in m.
     #[arg(long, value_name = "M", allow_hyphen_values = true)]
     pub stance: Option<f64>,
+}
+
+#[derive(Args)]
+pub struct GaitPlan {
+    #[command(flatten)]
+    pub options: GaitOptions,
     /// For how many cycles it walks before it stops.
     #[arg(long, value_name = "N", default_value_t = 4, conflicts_with = "steady")]
     pub cycles: u32,
@@ -87,9 +103,41 @@ pub struct GaitPlan {
     pub format: GaitFormat,
 }
 
-impl GaitPlan {
-    /// What is asked; None for a custom gait without offsets.
-    pub fn request(&self) -> Option<Request> {
+#[derive(Args)]
+pub struct GaitRun {
+    #[command(flatten)]
+    pub options: GaitOptions,
+    /// The hips above the ground where it sits, in m; half the height without it.
+    #[arg(long, value_name = "M", allow_hyphen_values = true)]
+    pub sit: Option<f64>,
+    /// For how many cycles it walks. Without it and --duration it walks until the orders end, four
+    /// cycles at least.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub cycles: Option<u32>,
+    /// For how long it walks, in s.
+    #[arg(long, value_name = "S", value_parser = seconds, allow_hyphen_values = true, conflicts_with = "cycles")]
+    pub duration: Option<f64>,
+    /// A file of orders, or - for stdin, one line each: `vx 0.3`, `vy -0.1 yaw 20deg`, `height 0.28`,
+    /// `roll 5deg`, `gait pace`, `wait 2`, `stop`.
+    #[arg(long, value_name = "FILE")]
+    pub orders: Option<String>,
+    /// Enable the axes first where they are not.
+    #[arg(long)]
+    pub enable: bool,
+    /// The bus's bit rate in bit/s, for what the walk takes of it: 1000000 without it, or what --can
+    /// says.
+    #[arg(long, value_name = "RATE", value_parser = bitrate)]
+    pub bitrate: Option<Bitrate>,
+}
+
+fn bitrate(text: &str) -> Result<Bitrate, String> {
+    let rate = text.parse().ok().and_then(Bitrate::from_bits_per_second);
+    rate.ok_or_else(|| String::from("write a usual bit rate, such as 1000000, 500000 or 250000"))
+}
+
+impl GaitOptions {
+    /// The gait, none to stand; `None` for a custom gait without offsets.
+    pub fn gait(&self) -> Option<Option<Gait>> {
         let gait = match self.name.kind() {
             Some(Kind::Stand) => None,
             Some(kind) => Some(kind.gait()?),
@@ -98,29 +146,53 @@ impl GaitPlan {
                 Some(Kind::Trot.gait()?)
             }
         };
-        let gait = gait.map(|usual| Gait {
-            offsets: self
-                .offsets
-                .map_or(usual.offsets, |Offsets(offsets)| offsets),
-            period: self.period.unwrap_or(usual.period),
-            duty: self.duty.unwrap_or(usual.duty),
-            overlay: self.overlay.map_or(usual.overlay, |percent| percent / 1e2),
-            swing: self.swing.unwrap_or(usual.swing),
-            stance: self.stance.unwrap_or(usual.stance),
-        });
+        Some(gait.map(|usual| {
+            Gait {
+                offsets: self
+                    .offsets
+                    .map_or(usual.offsets, |Offsets(offsets)| offsets),
+                period: self.period.unwrap_or(usual.period),
+                duty: self.duty.unwrap_or(usual.duty),
+                overlay: self.overlay.map_or(usual.overlay, |percent| percent / 1e2),
+                swing: self.swing.unwrap_or(usual.swing),
+                stance: self.stance.unwrap_or(usual.stance),
+            }
+        }))
+    }
+
+    /// What the body does.
+    pub fn body(&self) -> Body {
+        Body {
+            vx: self.vx,
+            vy: self.vy,
+            yaw_rate: self.yaw_rate,
+            height: self.height,
+            roll: self.roll,
+            pitch: self.pitch,
+        }
+    }
+}
+
+impl GaitPlan {
+    /// What is asked; `None` for a custom gait without offsets.
+    pub fn request(&self) -> Option<Request> {
         Some(Request {
-            gait,
-            body: Body {
-                vx: self.vx,
-                vy: self.vy,
-                yaw_rate: self.yaw_rate,
-                height: self.height,
-                roll: self.roll,
-                pitch: self.pitch,
-            },
+            gait: self.options.gait()?,
+            body: self.options.body(),
             cycles: self.cycles,
             step: self.dt.unwrap_or(STEP),
             steady: self.steady,
+        })
+    }
+}
+
+impl GaitRun {
+    /// How it walks; `None` for a custom gait without offsets.
+    pub fn settings(&self) -> Option<Settings> {
+        let usual = Settings::new(self.options.gait()?, self.options.body());
+        Some(Settings {
+            sitting: self.sit.unwrap_or(usual.sitting),
+            ..usual
         })
     }
 }

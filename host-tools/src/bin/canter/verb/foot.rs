@@ -1,14 +1,13 @@
 //! `canter foot`: one cycle of one foot, or all presets side by side.
 
 use crate::arguments::{Foot, FootFormat};
-use crate::context::{Context, print_all};
+use crate::context::{Context, print_all, read_times};
 use anyhow::{Context as _, Result, bail};
 use canter::foot::compare::{Row, compare, picture};
-use canter::foot::{Cycle, CycleRequest, Preset};
+use canter::foot::{Cycle, CycleRequest};
 use canter::leg::{JointMotion, Leg};
-use canter::profile::table::{number, parse_times};
+use canter::profile::table::number;
 use serde_json::{Value, json};
-use std::io::Read;
 
 const HEADER: [&str; 8] = ["t", "phase", "x", "z", "vx", "vz", "ax", "az"];
 const JOINTS: [&str; 9] = [
@@ -42,7 +41,7 @@ pub fn run(context: &Context, arguments: &Foot) -> Result<()> {
         };
         return print_all(lines.into_iter());
     };
-    let cycle = Cycle::new(Preset::from(preset), &request)?;
+    let cycle = Cycle::new(preset, &request)?;
     let format = asked.unwrap_or(FootFormat::Csv);
     if format == FootFormat::Svg {
         return print_all([picture([&cycle])?].into_iter());
@@ -94,15 +93,7 @@ fn times(arguments: &Foot, cycle: &Cycle) -> Result<Vec<f64>> {
         let share = |at: u32| cycle.period() * f64::from(at) / f64::from(last);
         return Ok((0..=last).map(share).collect());
     };
-    let mut text = String::new();
-    if name == "-" {
-        std::io::stdin()
-            .read_to_string(&mut text)
-            .context("--at -: stdin cannot be read")?;
-    } else {
-        text = std::fs::read_to_string(name).with_context(|| format!("--at {name}"))?;
-    }
-    parse_times(&text).with_context(|| format!("--at {name}"))
+    read_times(name)
 }
 
 /// The foot at a time, and the joints where a leg is named.

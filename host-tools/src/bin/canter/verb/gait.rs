@@ -1,4 +1,18 @@
-//! `canter gait`: the gaits, and walks offline.
+//! `canter gait`: the gaits, and walks, offline and on the robot.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `run` | a walk on the robot, and what is printed of it |
+//! | `pilot` | who leads it: a script, a person, or nobody |
+//! | `lines` | orders by lines |
+//! | `keys` | orders by keys |
+//! | `signals` | what a person's Ctrl-C means |
+
+mod keys;
+mod lines;
+mod pilot;
+mod run;
+mod signals;
 
 use crate::arguments::{GaitAction, GaitFormat, GaitPlan};
 use crate::context::{Context, print_all};
@@ -7,6 +21,7 @@ use canter::gait::{
     Course, Gait, GaitError, Kind, LEG_NAMES, Peaks, Quadruped, Request, State, svg,
 };
 use canter::profile::table::number;
+use canter::walk::WalkError;
 use serde_json::{Value, json};
 
 /// A custom gait that does not say when its feet come down.
@@ -18,12 +33,15 @@ pub fn run(context: &Context, action: &GaitAction) -> Result<()> {
     match action {
         GaitAction::List => list(context),
         GaitAction::Plan(arguments) => plan(context, arguments),
+        GaitAction::Run(arguments) => run::run(context, arguments),
     }
 }
 
 /// Whether an error says that the command line was wrong.
 pub fn is_usage(error: &anyhow::Error) -> bool {
-    error.is::<NoOffsets>() || error.downcast_ref().is_some_and(GaitError::is_usage)
+    error.is::<NoOffsets>()
+        || error.downcast_ref().is_some_and(GaitError::is_usage)
+        || error.downcast_ref().is_some_and(WalkError::is_usage)
 }
 
 fn list(context: &Context) -> Result<()> {
@@ -93,14 +111,14 @@ fn plan(context: &Context, arguments: &GaitPlan) -> Result<()> {
             ),
         ),
         GaitFormat::Json => {
-            let mut document = summary(arguments.name.name(), &request, &peaks);
+            let mut document = summary(arguments.options.name.name(), &request, &peaks);
             if arguments.dt.is_some() {
                 let rows = course.rows()?.map_while(Result::ok);
                 document["samples"] = rows.map(|state| sample(&course, &state)).collect();
             }
             print_all([document.to_string()].into_iter())
         }
-        GaitFormat::Svg => print_all([svg(&course, arguments.name.name())?].into_iter()),
+        GaitFormat::Svg => print_all([svg(&course, arguments.options.name.name())?].into_iter()),
     }
 }
 

@@ -1,10 +1,10 @@
 //! `canter move`: several axes, together.
 
 use crate::arguments::Move;
-use crate::context::{Context, tell_complaints};
+use crate::commander;
+use crate::context::Context;
 use anyhow::{Result, bail};
 use canter::client::{Arrival, MoveRequest, Overrides, Progress};
-use canter_shared::axis::state::State;
 use canter_shared::wire::id::AxisId;
 use serde_json::json;
 use std::io::{IsTerminal, Write};
@@ -12,40 +12,15 @@ use std::io::{IsTerminal, Write};
 pub fn run(context: &Context, arguments: &Move) -> Result<()> {
     let request = request(arguments)?;
     let axes: Vec<AxisId> = request.goals.iter().map(|goal| goal.axis).collect();
-    let mut client = context.client()?;
-    client.check(&axes)?;
-    client.listen()?;
-    client.hold(&axes)?;
-    let moved = (|| {
-        // The simulated robot is fresh, and so disabled, at each command.
-        if arguments.enable || context.is_simulated() {
-            let disabled: Vec<AxisId> = axes
-                .iter()
-                .filter(|axis| {
-                    client.axes().get(axis).and_then(|known| known.state)
-                        != Some(State::OperationEnabled)
-                })
-                .copied()
-                .collect();
-            if !disabled.is_empty() {
-                client.enable(&disabled)?;
-            }
-        }
-        // What counts is what the nodes keep to, unless a robot file says what is wanted.
-        let read = match context.robot_is_named {
-            true => None,
-            false => Some(client.read_robot(&axes)?),
-        };
-        let robot = read.as_ref().unwrap_or(&context.robot);
+    let mut client = commander::client(context, &axes)?;
+    let arrivals = commander::while_held(&mut client, &axes, |client| {
+        commander::enable(context, client, &axes, arguments.enable)?;
+        let robot = commander::robot(context, client, &axes)?;
         let bar = Bar::new();
-        let arrivals = client.move_together(robot, &request, |progress| bar.show(progress));
+        let arrivals = client.move_together(&robot, &request, |progress| bar.show(progress));
         bar.end();
-        arrivals
-    })();
-    let released = client.release();
-    tell_complaints(&mut client);
-    let arrivals = moved?;
-    released?;
+        Ok(arrivals?)
+    })?;
     print(context, &arrivals);
     Ok(())
 }

@@ -14,7 +14,7 @@ pub fn run(context: &Context, arguments: &Node) -> Result<()> {
     let DriveKind::Simulated = arguments.drive;
     let stop = Arc::new(AtomicBool::new(false));
     on_signal(Arc::clone(&stop))?;
-    let mut bus = context.open()?;
+    let mut bus = context.open(context.bitrate())?;
     let trace = match &arguments.trace {
         Some(path) => Some(Trace::create(path)?),
         None => None,

@@ -1,10 +1,10 @@
 //! `canter param`: what is set about the axes.
 
 use crate::arguments::{Param, ParamAction, ParamSet};
-use crate::context::{Context, print_all, resolve, tell_complaints};
+use crate::commander::while_held;
+use crate::context::{AnyClient, Context, print_all, resolve, tell_complaints};
 use anyhow::{Context as _, Result};
-use canter::bus::Bus;
-use canter::client::{Change, Client, ClientError, Reading};
+use canter::client::{Change, ClientError, Reading};
 use canter::notation::{AxisList, ParameterTextError, parameter_text};
 use canter::parameter_file;
 use canter_shared::parameter::{Change as When, Kind, Parameter};
@@ -37,7 +37,7 @@ pub fn is_usage(error: &anyhow::Error) -> bool {
 }
 
 /// A client that has heard these axes and holds none.
-fn listening(context: &Context, axes: &[AxisId]) -> Result<Client<Box<dyn Bus>>> {
+fn listening(context: &Context, axes: &[AxisId]) -> Result<AnyClient> {
     let mut client = context.client()?;
     client.check(axes)?;
     Ok(client)
@@ -47,17 +47,12 @@ fn listening(context: &Context, axes: &[AxisId]) -> Result<Client<Box<dyn Bus>>>
 fn commanding(
     context: &Context,
     list: &AxisList,
-    work: impl FnOnce(&mut Client<Box<dyn Bus>>, &[AxisId]) -> Result<()>,
+    work: impl FnOnce(&mut AnyClient, &[AxisId]) -> Result<()>,
 ) -> Result<()> {
     let mut client = context.client()?;
     let axes = resolve(&mut client, list)?;
     client.check(&axes)?;
-    client.hold(&axes)?;
-    let done = work(&mut client, &axes);
-    let released = client.release();
-    tell_complaints(&mut client);
-    done?;
-    Ok(released?)
+    while_held(&mut client, &axes, |client| work(client, &axes))
 }
 
 fn get(context: &Context, parameter: Parameter, axis: AxisId) -> Result<()> {

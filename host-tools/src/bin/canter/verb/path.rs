@@ -1,16 +1,15 @@
 //! `canter path`: through waypoints, offline or as a stream.
 
 use crate::arguments::{Path, PathFormat};
-use crate::context::{Context, print_all, tell_complaints};
+use crate::commander;
+use crate::context::{AnyClient, Context, print_all};
 use anyhow::{Context as _, Result, bail};
-use canter::bus::Bus;
-use canter::client::{Client, Goal, MoveRequest, Overrides, Pace, StreamEnd, Target};
+use canter::client::{Goal, MoveRequest, Overrides, Pace, StreamEnd, Target};
 use canter::path::knots::knots;
 use canter::path::picture::svg;
 use canter::path::{AxisBounds, Request, TimedPath, Waypoints, file, plan};
 use canter::profile::table::number;
 use canter::robot::Robot;
-use canter_shared::axis::state::State;
 use canter_shared::motion::trajectory::Sample;
 use canter_shared::wire::command::ProfileKind;
 use canter_shared::wire::id::AxisId;
@@ -130,15 +129,10 @@ fn document(
 
 fn stream(context: &Context, arguments: &Path, waypoints: &Waypoints) -> Result<()> {
     let axes = waypoints.axes();
-    let mut client = context.client()?;
-    client.check(axes)?;
-    client.listen()?;
-    client.hold(axes)?;
-    let ended = follow(context, arguments, waypoints, &mut client);
-    let released = client.release();
-    tell_complaints(&mut client);
-    let (ends, duration) = ended?;
-    released?;
+    let mut client = commander::client(context, axes)?;
+    let (ends, duration) = commander::while_held(&mut client, axes, |client| {
+        follow(context, arguments, waypoints, client)
+    })?;
     tell(context, waypoints, &ends, duration);
     Ok(())
 }
@@ -148,29 +142,16 @@ fn follow(
     context: &Context,
     arguments: &Path,
     waypoints: &Waypoints,
-    client: &mut Client<Box<dyn Bus>>,
+    client: &mut AnyClient,
 ) -> Result<(Vec<StreamEnd>, f64)> {
     let axes = waypoints.axes();
-    // What counts is what the nodes keep to, unless a robot file says what is wanted.
-    let read = match context.robot_is_named {
-        true => None,
-        false => Some(client.read_robot(axes)?),
-    };
-    let robot = read.as_ref().unwrap_or(&context.robot);
+    let robot = &*commander::robot(context, client, axes)?;
     let request = request(arguments, robot, axes);
     let path = plan(waypoints, &request)?;
     let pace = Pace::default();
     let period = f64::from(pace.period.get()) / 1000.0;
     let (knots, duration) = knots(&path, axes, &request.axes, period)?;
-    // The simulated robot is fresh, and so disabled, at each command.
-    if arguments.enable || context.is_simulated() {
-        let state = |axis: &AxisId| client.axes().get(axis).and_then(|known| known.state);
-        let is_disabled = |axis: &&AxisId| state(axis) != Some(State::OperationEnabled);
-        let disabled: Vec<AxisId> = axes.iter().filter(is_disabled).copied().collect();
-        if !disabled.is_empty() {
-            client.enable(&disabled)?;
-        }
-    }
+    commander::enable(context, client, axes, arguments.enable)?;
     let goals = axes.iter().zip(&waypoints.points()[0].at);
     let approach = MoveRequest {
         goals: goals

@@ -1,15 +1,14 @@
 //! `canter plan`: one move of one axis, offline.
 
 use crate::arguments::{Plan, PlanFormat};
-use crate::context::{Context, print_all};
-use anyhow::{Context as _, Result};
+use crate::context::{Context, print_all, read_times};
+use anyhow::Result;
 use canter::profile::device::{Setpoints, TICK};
 use canter::profile::picture::{OWN_UNITS, Picture, Units, evenly, samples};
-use canter::profile::table::{HEADER, Row, at, parse_times, steps};
+use canter::profile::table::{HEADER, Row, at, steps};
 use canter::profile::{Curve, Kind, PlanError, Request, plan};
 use canter_shared::motion::trajectory::{Sample, Trajectory};
 use serde_json::{Value, json};
-use std::io::Read;
 
 /// What setpoints are in.
 const DEVICE_UNITS: Units = ["rad", "rad/s", "rad/s²", "rad/s³"];
@@ -60,7 +59,7 @@ fn rows<'a, T: Trajectory>(
 ) -> Result<Box<dyn Iterator<Item = Row> + 'a>> {
     let start = arguments.t0;
     if let Some(name) = &arguments.at {
-        let times = read(name)?;
+        let times = read_times(name)?;
         let rows = times
             .into_iter()
             .map(move |time| at(trajectory, start, time));
@@ -82,18 +81,6 @@ fn whole_ticks(step: f64) -> Result<f64, PlanError> {
     } else {
         Err(PlanError::NotWholeTicks(step))
     }
-}
-
-fn read(name: &str) -> Result<Vec<f64>> {
-    let mut text = String::new();
-    if name == "-" {
-        std::io::stdin()
-            .read_to_string(&mut text)
-            .context("--at -: stdin cannot be read")?;
-    } else {
-        text = std::fs::read_to_string(name).with_context(|| format!("--at {name}"))?;
-    }
-    parse_times(&text).with_context(|| format!("--at {name}"))
 }
 
 fn print_rows<T: Trajectory>(arguments: &Plan, trajectory: &T) -> Result<()> {

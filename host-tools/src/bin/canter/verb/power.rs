@@ -1,7 +1,8 @@
 //! `canter enable`, `disable` and `clear`.
 
 use super::status;
-use crate::context::{Context, resolve, tell_complaints};
+use crate::commander::while_held;
+use crate::context::{Context, resolve};
 use anyhow::Result;
 use canter::notation::AxisList;
 
@@ -17,16 +18,14 @@ pub fn run(context: &Context, change: Change, list: &AxisList) -> Result<()> {
     let mut client = context.client()?;
     let axes = resolve(&mut client, list)?;
     client.check(&axes)?;
-    client.hold(&axes)?;
-    let changed = match change {
-        Change::Enable => client.enable(&axes),
-        Change::Disable => client.disable(&axes),
-        Change::Clear => client.clear(&axes),
-    };
-    let released = client.release();
-    tell_complaints(&mut client);
-    changed?;
-    released?;
+    while_held(&mut client, &axes, |client| {
+        match change {
+            Change::Enable => client.enable(&axes)?,
+            Change::Disable => client.disable(&axes)?,
+            Change::Clear => client.clear(&axes)?,
+        }
+        Ok(())
+    })?;
     status::print(context, &client, &axes);
     Ok(())
 }
