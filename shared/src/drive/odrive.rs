@@ -186,10 +186,14 @@ impl Odrive {
     /// What the axis wants has changed, or has not been begun.
     fn take_order(&mut self, enable: bool) {
         self.order = match self.order {
-            Order::Idle if enable => Order::Wanted,
+            Order::Idle if enable => {
+                self.wait = 0;
+                Order::Wanted
+            }
             Order::Idle => return,
             _ if !enable => {
                 self.due = STATE;
+                self.wait = IDLE_PERIOD;
                 Order::Idle
             }
             // A drive that calibrates itself is not interrupted: then the axis's patience ends first.
@@ -212,7 +216,9 @@ impl Drive for Odrive {
         }
         self.take_order(command.enable);
         self.wait = self.wait.saturating_sub(1);
-        if self.wait > 0 || self.is_lost() && self.order == Order::Idle {
+        // One that still follows its input must not be told to go to where it was a little ago.
+        let hushed = self.is_lost() || self.state == CLOSED_LOOP;
+        if self.wait > 0 || hushed && self.order == Order::Idle {
             return;
         }
         self.due |= SETPOINT;
