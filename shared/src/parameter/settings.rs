@@ -96,8 +96,8 @@ impl Settings {
                 shaping = shaping_of(values, changed)?;
             }
             Parameter::DriveKind | Parameter::DriveNode | Parameter::MitMaster => {
-                drive::node_fits(values, changed)?;
                 limits = limits_of(values, changed)?;
+                drive::node_fits(values, changed)?;
             }
             Parameter::GearRatio
             | Parameter::DriveOffset
