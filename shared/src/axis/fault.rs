@@ -94,6 +94,19 @@ faults! {
     ParametersLost = 13, "parameters_lost",
         "the saved parameters cannot be read; the defaults hold",
         "set and save the parameters anew, then clear and enable";
+    // From here on the node's own.
+    /// The node's program found something that cannot be, and began anew.
+    NodePanic = 32, "node_panic",
+        "the node's firmware found something that cannot be, and began anew",
+        "report it with what was going on, then clear and enable";
+    /// The node's processor could not go on.
+    NodeHardFault = 33, "node_hard_fault",
+        "the node's processor had a hardware fault, and the node began anew",
+        "look for an unsteady supply; else report it with what was going on, then clear and enable";
+    /// The node's control loop was late or stood still.
+    WatchdogReset = 34, "watchdog_reset",
+        "the node's control loop did not get on, and its watchdog reset it",
+        "look for a bus that is flooded; else report it with what was going on, then clear and enable";
 }
 
 impl Fault {
@@ -111,7 +124,10 @@ impl Fault {
             | Self::DriveLost
             | Self::DriveFault
             | Self::EnableTimeout
-            | Self::ParametersLost => None,
+            | Self::ParametersLost
+            | Self::NodePanic
+            | Self::NodeHardFault
+            | Self::WatchdogReset => None,
         }
     }
 }
