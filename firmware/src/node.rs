@@ -4,6 +4,7 @@ use core::cell::RefCell;
 use core::sync::atomic::{Ordering, compiler_fence};
 
 use canter_shared::drive::simulated::Simulated;
+use canter_shared::node::restart::Restart;
 use canter_shared::node::{Board, Identity, Node};
 use canter_shared::parameter::Values;
 use canter_shared::parameter::store::{Loaded, StoredAxis};
@@ -59,11 +60,17 @@ const fn number(text: &str) -> u8 {
 pub type SharedNode = Mutex<CeilingMutex, RefCell<Node<Simulated, AXES>>>;
 
 /// A node with simulated drives, all axes at position zero and disabled, with the ids and parameters
-/// that were saved. Where nothing was, ids follow [`FIRST_AXIS`]; where it is lost, that is a fault.
+/// that were saved. Where nothing was, ids follow [`FIRST_AXIS`]; where it is lost, that is a fault, and
+/// so is that the node began anew by itself.
 ///
 /// # Panics
 /// Never: the axes fit by count, and no id is taken that another has.
-pub fn new(chip: [u8; 12], board: Board, loaded: &Loaded<AXES>) -> SharedNode {
+pub fn new(
+    chip: [u8; 12],
+    board: Board,
+    loaded: &Loaded<AXES>,
+    restart: Option<Restart>,
+) -> SharedNode {
     let mut node = Node::new(Identity {
         chip,
         firmware: VERSION,
@@ -85,6 +92,9 @@ pub fn new(chip: [u8; 12], board: Board, loaded: &Loaded<AXES>) -> SharedNode {
         let drive = Simulated::new(Position::ZERO);
         let added = AxisId::new(id).map(|axis| node.add_axis_with_values(axis, &values, drive));
         assert!(matches!(added, Some(Ok(()))), "an axis was refused");
+    }
+    if let Some(restart) = restart {
+        node.restart_after(restart);
     }
     if *loaded == Loaded::Lost {
         node.lose_parameters();
