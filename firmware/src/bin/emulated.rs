@@ -38,7 +38,7 @@ static NODE: StaticCell<SharedNode> = StaticCell::new();
 
 /// No flash that could be written is emulated: what is saved lasts until the emulator ends.
 type Memory = MemoryFlash<{ 2 * SLOT as usize }, { SLOT as usize }>;
-const SLOT: u32 = 512;
+const SLOT: u32 = 1024;
 
 /// There is no chip to have an id: one for each image, so that several can share a bus.
 const CHIP: [u8; 12] = {

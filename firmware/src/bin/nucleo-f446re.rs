@@ -1,8 +1,9 @@
-//! NUCLEO-F446RE (UM1724): CAN1 on PB8 (receive) and PB9 (transmit), the user LED LD2 on PA5.
+//! NUCLEO-F446RE (UM1724): the host's bus is CAN1 on PB8 (receive) and PB9 (transmit), the drives' CAN2
+//! on PB12 and PB13; the user LED LD2 is on PA5.
 #![no_std]
 #![no_main]
 
-use canter_firmware::bit_timing::{BITRATE, BitTiming};
+use canter_firmware::bit_timing::{BITRATE, BitTiming, DRIVE_BITRATE};
 use canter_firmware::stm32::flash::ParameterFlash;
 use canter_firmware::stm32::led::Led;
 use canter_firmware::stm32::watchdog::Dog;
@@ -31,9 +32,11 @@ fn main() -> ! {
         w.set_dcen(true);
     });
     let timing = const { BitTiming::new(PERIPHERALS, BITRATE, can::MOST_QUANTA) };
+    let drive_timing = const { BitTiming::new(PERIPHERALS, DRIVE_BITRATE, can::MOST_QUANTA) };
     start(Parts {
         board: Board::NucleoF446re,
-        host: can::open(board.CAN1, board.PB8, board.PB9, timing),
+        host: can::open_host(board.CAN1, board.PB8, board.PB9, timing),
+        drives: can::open_drives(board.CAN2, board.PB12, board.PB13, drive_timing),
         flash: ParameterFlash::new(board.FLASH),
         led: Led::new(Output::new(board.PA5, Level::Low, Speed::Low)),
         watchdog: Dog::new(board.IWDG),

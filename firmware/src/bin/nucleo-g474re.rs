@@ -1,8 +1,9 @@
-//! NUCLEO-G474RE (UM2505): FDCAN1 on PA11 (receive) and PA12 (transmit), the user LED LD2 on PA5.
+//! NUCLEO-G474RE (UM2505): the host's bus is FDCAN1 on PA11 (receive) and PA12 (transmit), the drives'
+//! FDCAN2 on PB12 and PB13; the user LED LD2 is on PA5.
 #![no_std]
 #![no_main]
 
-use canter_firmware::bit_timing::{BITRATE, BitTiming};
+use canter_firmware::bit_timing::{BITRATE, BitTiming, DRIVE_BITRATE};
 use canter_firmware::stm32::flash::ParameterFlash;
 use canter_firmware::stm32::led::Led;
 use canter_firmware::stm32::watchdog::Dog;
@@ -21,9 +22,11 @@ const CRYSTAL: Hertz = Hertz(24_000_000);
 fn main() -> ! {
     let board = embassy_stm32::init(clocks());
     let timing = const { BitTiming::new(CRYSTAL.0, BITRATE, can::MOST_QUANTA) };
+    let drive_timing = const { BitTiming::new(CRYSTAL.0, DRIVE_BITRATE, can::MOST_QUANTA) };
     start(Parts {
         board: Board::NucleoG474re,
-        host: can::open(board.FDCAN1, board.PA11, board.PA12, timing),
+        host: can::open_host(board.FDCAN1, board.PA11, board.PA12, timing),
+        drives: can::open_drives(board.FDCAN2, board.PB12, board.PB13, drive_timing),
         flash: ParameterFlash::new(board.FLASH),
         led: Led::new(Output::new(board.PA5, Level::Low, Speed::Low)),
         watchdog: Dog::new(board.IWDG),

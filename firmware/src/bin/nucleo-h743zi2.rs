@@ -1,8 +1,9 @@
-//! NUCLEO-H743ZI2 (UM2407): FDCAN1 on PD0 (receive) and PD1 (transmit), the green user LED LD1 on PB0.
+//! NUCLEO-H743ZI2 (UM2407): the host's bus is FDCAN1 on PD0 (receive) and PD1 (transmit), the drives'
+//! FDCAN2 on PB5 and PB6; the green user LED LD1 is on PB0.
 #![no_std]
 #![no_main]
 
-use canter_firmware::bit_timing::{BITRATE, BitTiming};
+use canter_firmware::bit_timing::{BITRATE, BitTiming, DRIVE_BITRATE};
 use canter_firmware::stm32::flash::ParameterFlash;
 use canter_firmware::stm32::led::Led;
 use canter_firmware::stm32::watchdog::Dog;
@@ -29,9 +30,11 @@ fn main() -> ! {
         core.SCB.enable_icache();
     }
     let timing = const { BitTiming::new(CAN_CLOCK, BITRATE, can::MOST_QUANTA) };
+    let drive_timing = const { BitTiming::new(CAN_CLOCK, DRIVE_BITRATE, can::MOST_QUANTA) };
     start(Parts {
         board: Board::NucleoH743zi2,
-        host: can::open(board.FDCAN1, board.PD0, board.PD1, timing),
+        host: can::open_host(board.FDCAN1, board.PD0, board.PD1, timing),
+        drives: can::open_drives(board.FDCAN2, board.PB5, board.PB6, drive_timing),
         flash: ParameterFlash::new(board.FLASH),
         led: Led::new(Output::new(board.PB0, Level::Low, Speed::Low)),
         watchdog: Dog::new(board.IWDG1),

@@ -1,4 +1,4 @@
-//! The FDCAN controllers of an STM32G4 and H7: FDCAN1 is the host's bus.
+//! The FDCAN controllers of an STM32G4 and H7: FDCAN1 is the host's bus, FDCAN2 the drives'.
 //!
 //! What embassy-stm32 0.6.0 does that a node cannot live with, and what is done about it:
 //!
@@ -18,29 +18,30 @@
 
 use core::num::{NonZeroU8, NonZeroU16};
 
-use canter_shared::node::bus_off::BusOffRecovery;
 use canter_shared::wire::frame::Frame;
 use embassy_stm32::can::config::{
     FdCanConfig, GlobalFilter, NominalBitTiming, NonMatchingFilter, TxBufferMode,
 };
-use embassy_stm32::can::{self, CanConfigurator, CanRx, CanTx, RxPin, TxPin};
-use embassy_stm32::interrupt::InterruptExt;
-use embassy_stm32::interrupt::typelevel::{FDCAN1_IT0, Handler};
+use embassy_stm32::can::{self, CanConfigurator, CanRx, CanTx, Instance, RxPin, TxPin};
+use embassy_stm32::interrupt::typelevel::{Binding, FDCAN1_IT0, FDCAN2_IT0, Handler};
+use embassy_stm32::interrupt::{Interrupt, InterruptExt};
 use embassy_stm32::pac::can::Fdcan;
-use embassy_stm32::peripherals::FDCAN1;
-use embassy_stm32::{Peri, bind_interrupts, interrupt, pac};
+use embassy_stm32::peripherals::{FDCAN1, FDCAN2};
+use embassy_stm32::{Peri, bind_interrupts, pac};
 use embassy_time::{Duration, block_for};
 
 use super::level;
-use super::line::{Line, Queue};
+use super::line::{self, Line, Monitor};
 use crate::bit_timing::BitTiming;
-use crate::port::{BusCounts, BusMonitor, CanTransmit, Received};
+use crate::port::{CanReceive, CanTransmit, Received};
 use crate::{now, priority};
 
 bind_interrupts!(struct Interrupts {
     // The watch comes first: the driver's handler clears the flags that it looks at.
     FDCAN1_IT0 => Watch, can::IT0InterruptHandler<FDCAN1>;
     FDCAN1_IT1 => can::IT1InterruptHandler<FDCAN1>;
+    FDCAN2_IT0 => Watch, can::IT0InterruptHandler<FDCAN2>;
+    FDCAN2_IT1 => can::IT1InterruptHandler<FDCAN2>;
 });
 
 /// The most quanta to a bit: enough for a sample at 87.5 % from any clock, and far below the
@@ -51,46 +52,78 @@ pub const MOST_QUANTA: u32 = 80;
 /// controller's counter, the prescaled clock. From 24 MHz / 2, the slowest here, that is 5.5 ms.
 const DRIVER_LOOKS_BACK: Duration = Duration::from_millis(6);
 
-static HOST: Line = Line::new();
+/// What belongs to the host's bus.
+pub static HOST: Line = Line::new();
+static DRIVES: Line = Line::new();
 
 /// A bus that is switched on.
 pub struct Bus {
-    /// The hardware's end, for the reception task.
-    pub(super) reception: Reception,
-    /// For the receive task.
-    pub(super) queue: Queue,
-    /// For the transmit task.
+    /// Frames in.
+    pub(super) receiver: Receiver,
+    /// Frames out.
     pub(super) transmitter: Transmitter,
     /// For the 1 kHz task.
-    pub(super) monitor: Monitor,
+    pub(super) monitor: Monitor<Controller>,
 }
 
-/// Switches FDCAN1 on.
-pub fn open(
-    controller: Peri<'static, FDCAN1>,
+/// Switches the host's bus on.
+pub fn open_host(
+    peripheral: Peri<'static, FDCAN1>,
     receive: Peri<'static, impl RxPin<FDCAN1>>,
     transmit: Peri<'static, impl TxPin<FDCAN1>>,
     timing: BitTiming,
 ) -> Bus {
+    let controller = Controller {
+        registers: pac::FDCAN1,
+        interrupt: Interrupt::FDCAN1_IT0,
+    };
+    let (receiver, transmitter) = open(peripheral, receive, transmit, timing, controller, &HOST);
+    Bus {
+        receiver,
+        transmitter,
+        monitor: Monitor::of_host(controller, &HOST),
+    }
+}
+
+/// Switches the drives' bus on.
+pub fn open_drives(
+    peripheral: Peri<'static, FDCAN2>,
+    receive: Peri<'static, impl RxPin<FDCAN2>>,
+    transmit: Peri<'static, impl TxPin<FDCAN2>>,
+    timing: BitTiming,
+) -> Bus {
+    let controller = Controller {
+        registers: pac::FDCAN2,
+        interrupt: Interrupt::FDCAN2_IT0,
+    };
+    let (receiver, transmitter) = open(peripheral, receive, transmit, timing, controller, &DRIVES);
+    Bus {
+        receiver,
+        transmitter,
+        monitor: Monitor::of_drives(controller, &DRIVES),
+    }
+}
+
+fn open<T: Instance>(
+    peripheral: Peri<'static, T>,
+    receive: Peri<'static, impl RxPin<T>>,
+    transmit: Peri<'static, impl TxPin<T>>,
+    timing: BitTiming,
+    controller: Controller,
+    line: &'static Line,
+) -> (Receiver, Transmitter)
+where
+    Interrupts: Binding<T::IT0Interrupt, can::IT0InterruptHandler<T>>
+        + Binding<T::IT1Interrupt, can::IT1InterruptHandler<T>>,
+{
     block_for(DRIVER_LOOKS_BACK);
-    let mut configurator = CanConfigurator::new(controller, receive, transmit, Interrupts);
+    let mut configurator = CanConfigurator::new(peripheral, receive, transmit, Interrupts);
     configurator.set_config(config(timing));
     let (transmitter, receiver, _) = configurator.into_normal_mode().split();
-    pac::FDCAN1.ie().modify(|w| w.set_rfle(0, true));
-    interrupt::FDCAN1_IT0.set_priority(level(priority::CAN_INTERRUPT));
-    Bus {
-        reception: Reception {
-            receiver,
-            line: &HOST,
-        },
-        queue: Queue(&HOST),
-        transmitter: Transmitter(transmitter),
-        monitor: Monitor {
-            registers: pac::FDCAN1,
-            line: &HOST,
-            recovery: BusOffRecovery::new(),
-        },
-    }
+    controller.registers.ie().modify(|w| w.set_rfle(0, true));
+    let interrupt = controller.interrupt;
+    interrupt.set_priority(level(priority::CAN_INTERRUPT));
+    (Receiver(receiver), Transmitter(transmitter, line))
 }
 
 /// Classic frames with an 11-bit id are all accepted; the hardware drops everything else.
@@ -111,40 +144,36 @@ fn config(timing: BitTiming) -> FdCanConfig {
         .set_automatic_bus_off_recovery(false)
 }
 
-/// Empties the three-deep hardware FIFO and stamps the frames.
-pub struct Reception {
-    receiver: CanRx<'static>,
-    line: &'static Line,
-}
+/// Frames out of the three-deep hardware FIFO, stamped as they are taken.
+pub struct Receiver(CanRx<'static>);
 
-impl Reception {
-    /// Never ends.
-    pub(super) async fn run(mut self) -> ! {
+impl CanReceive for Receiver {
+    async fn receive(&mut self) -> Received {
         loop {
-            let Ok(envelope) = self.receiver.read().await else {
+            let Ok(envelope) = self.0.read().await else {
                 continue;
             };
             let at = now();
-            let embedded_can::Id::Standard(id) = *envelope.frame.id() else {
-                continue;
-            };
-            if let Some(frame) = Frame::new(id.as_raw(), envelope.frame.data()) {
-                self.line.keep(Received { frame, at });
+            if let embedded_can::Id::Standard(id) = *envelope.frame.id()
+                && let Some(frame) = Frame::new(id.as_raw(), envelope.frame.data())
+            {
+                return Received { frame, at };
             }
         }
     }
 }
 
-/// Frames out.
-pub struct Transmitter(CanTx<'static>);
+/// Frames into the three-deep hardware FIFO.
+pub struct Transmitter(CanTx<'static>, &'static Line);
 
-impl CanTransmit for Transmitter {
+impl CanTransmit for &mut Transmitter {
     async fn transmit(&mut self, frame: &Frame) {
         let mut next = can::Frame::new_standard(frame.id(), frame.data()).ok();
         // The driver may hand back another frame that it took out to make room.
-        while let Some(frame) = next {
-            next = self.0.write(&frame).await;
+        while let Some(frame) = &next {
+            next = self.0.write(frame).await;
         }
+        self.1.count_sent();
     }
 }
 
@@ -154,6 +183,12 @@ struct Watch;
 impl Handler<FDCAN1_IT0> for Watch {
     unsafe fn on_interrupt() {
         watch(pac::FDCAN1, &HOST);
+    }
+}
+
+impl Handler<FDCAN2_IT0> for Watch {
+    unsafe fn on_interrupt() {
+        watch(pac::FDCAN2, &DRIVES);
     }
 }
 
@@ -169,23 +204,33 @@ fn watch(registers: Fdcan, line: &Line) {
     }
 }
 
-/// Collects the counts at every tick.
-pub struct Monitor {
+/// One controller's registers and the interrupt that its driver waits for.
+#[derive(Clone, Copy)]
+pub struct Controller {
     registers: Fdcan,
-    line: &'static Line,
-    recovery: BusOffRecovery,
+    interrupt: Interrupt,
 }
 
-impl BusMonitor for Monitor {
-    fn take(&mut self) -> BusCounts {
-        let registers = self.registers;
-        let mut counts = self.line.take(&mut self.recovery, || {
-            // Bus-off has set it. Once it is gone the hardware waits for 128 times 11 recessive bits.
-            registers.cccr().modify(|w| w.set_init(false));
-        });
+impl line::Controller for Controller {
+    fn recover(&mut self) {
+        // Bus-off has set it.
+        self.registers.cccr().modify(|w| w.set_init(false));
+    }
+
+    fn error_frames(&mut self) -> u32 {
         // Counts to 255 and starts again when it is read. An error frame lasts 20 us at
         // least, so one tick's worth is 50 at most.
-        counts.error_frames += u32::from(registers.ecr().read().cel());
-        counts
+        u32::from(self.registers.ecr().read().cel())
+    }
+
+    fn is_sending(&self) -> bool {
+        self.registers.txbrp().read().0 != 0
+    }
+
+    fn discard(&mut self) {
+        let waiting = self.registers.txbrp().read().0;
+        self.registers.txbcr().write(|w| w.0 = waiting);
+        // The driver's handler wakes whoever waits, whatever the interrupt came from.
+        self.interrupt.pend();
     }
 }

@@ -14,7 +14,7 @@ const HALF_PERIOD_IN_FAULT: u32 = 100;
 
 /// One blink in a second, five while an axis has a fault.
 ///
-/// There is no drive behind this board's port yet, so the setpoints end here.
+/// It is told all setpoints, and looks at the states only: the drives have a bus of their own.
 pub struct Led {
     pin: Output<'static>,
     ticks: u32,

@@ -9,11 +9,11 @@ use embassy_stm32::interrupt;
 use embassy_stm32::interrupt::InterruptExt;
 use static_cell::StaticCell;
 
-use super::can::{Bus, Monitor, Transmitter};
+use super::can::{Bus, Controller, HOST, Receiver, Transmitter};
 use super::flash::{ParameterFlash, SLOT, SLOTS};
 use super::led::Led;
 use super::level;
-use super::line::Queue;
+use super::line::{Both, Queue};
 use super::reset::{self, Cause};
 use super::watchdog::Dog;
 use crate::bus::{self, Signals};
@@ -26,6 +26,8 @@ pub struct Parts {
     pub board: Board,
     /// The host's bus.
     pub host: Bus,
+    /// The drives' bus.
+    pub drives: Bus,
     /// The chip's flash.
     pub flash: ParameterFlash,
     /// What shows that the node lives.
@@ -35,7 +37,6 @@ pub struct Parts {
 }
 
 // Executors run in interrupts that are otherwise unused, and that every chip here has.
-#[cfg(feature = "fdcan")]
 static RECEPTION: InterruptExecutor = InterruptExecutor::new();
 static CONTROL: InterruptExecutor = InterruptExecutor::new();
 static BUS: InterruptExecutor = InterruptExecutor::new();
@@ -43,7 +44,13 @@ static PLANNING: InterruptExecutor = InterruptExecutor::new();
 static STORAGE: InterruptExecutor = InterruptExecutor::new();
 
 static SIGNALS: Signals = Signals::new();
+static FRAMES: Queue = Queue::new();
 static NODE: StaticCell<SharedNode> = StaticCell::new();
+
+// Here and not in the tasks, which would each hold what they are given several times.
+static TO_HOST: StaticCell<Transmitter> = StaticCell::new();
+static TO_DRIVES: StaticCell<Transmitter> = StaticCell::new();
+static MONITOR: StaticCell<Both<Controller>> = StaticCell::new();
 
 /// Starts the node, which then lives in interrupts.
 pub fn start(mut parts: Parts) {
@@ -53,6 +60,7 @@ pub fn start(mut parts: Parts) {
     let chip = embassy_stm32::uid::uid();
     let node = NODE.init(node::new(chip, parts.board, &loaded, restart));
 
+    interrupt::UART4.set_priority(level(priority::RECEPTION));
     interrupt::UART5.set_priority(level(priority::CONTROL));
     interrupt::USART1.set_priority(level(priority::BUS));
     interrupt::USART3.set_priority(level(priority::PLANNING));
@@ -64,17 +72,15 @@ pub fn start(mut parts: Parts) {
     let planner = PLANNING.start(interrupt::USART3);
     planner.spawn(planning_task(node).unwrap());
     let bus = BUS.start(interrupt::USART1);
-    bus.spawn(receive_task(node, parts.host.queue).unwrap());
-    bus.spawn(transmit_task(node, parts.host.transmitter).unwrap());
+    bus.spawn(receive_task(node).unwrap());
+    bus.spawn(transmit_task(node, TO_HOST.init(parts.host.transmitter)).unwrap());
     let control = CONTROL.start(interrupt::UART5);
-    let task = control_task(node, parts.host.monitor, parts.led, parts.watchdog);
-    control.spawn(task.unwrap());
-    #[cfg(feature = "fdcan")]
-    {
-        interrupt::UART4.set_priority(level(priority::RECEPTION));
-        let reception = RECEPTION.start(interrupt::UART4);
-        reception.spawn(reception_task(parts.host.reception).unwrap());
-    }
+    let monitor = MONITOR.init(Both(parts.host.monitor, parts.drives.monitor));
+    control.spawn(control_task(node, monitor, parts.led, parts.watchdog).unwrap());
+    control.spawn(drive_receive_task(node, parts.drives.receiver).unwrap());
+    control.spawn(drive_transmit_task(node, TO_DRIVES.init(parts.drives.transmitter)).unwrap());
+    let reception = RECEPTION.start(interrupt::UART4);
+    reception.spawn(reception_task(parts.host.receiver).unwrap());
 }
 
 /// Why the node began anew by itself, if it did.
@@ -99,7 +105,6 @@ fn why() -> Option<Restart> {
     crash.map(|crash| crash.restart).or(stalled)
 }
 
-#[cfg(feature = "fdcan")]
 #[interrupt]
 unsafe fn UART4() {
     // SAFETY: this is the interrupt that `RECEPTION` is started with, and nothing else calls it.
@@ -131,17 +136,40 @@ unsafe fn USART2() {
 }
 
 #[embassy_executor::task]
-async fn control_task(node: &'static SharedNode, monitor: Monitor, led: Led, watchdog: Dog) -> ! {
+async fn control_task(
+    node: &'static SharedNode,
+    monitor: &'static mut Both<Controller>,
+    led: Led,
+    watchdog: Dog,
+) -> ! {
     control::run(node, &SIGNALS, monitor, led, watchdog).await
 }
 
 #[embassy_executor::task]
-async fn receive_task(node: &'static SharedNode, queue: Queue) -> ! {
-    bus::receive(node, &SIGNALS, queue).await
+async fn drive_receive_task(node: &'static SharedNode, receiver: Receiver) -> ! {
+    bus::receive_drives(node, receiver).await
 }
 
 #[embassy_executor::task]
-async fn transmit_task(node: &'static SharedNode, transmitter: Transmitter) -> ! {
+async fn drive_transmit_task(
+    node: &'static SharedNode,
+    transmitter: &'static mut Transmitter,
+) -> ! {
+    bus::transmit_drives(node, &SIGNALS, transmitter).await
+}
+
+#[embassy_executor::task]
+async fn reception_task(receiver: Receiver) -> ! {
+    FRAMES.fill(receiver, &HOST).await
+}
+
+#[embassy_executor::task]
+async fn receive_task(node: &'static SharedNode) -> ! {
+    bus::receive(node, &SIGNALS, &FRAMES).await
+}
+
+#[embassy_executor::task]
+async fn transmit_task(node: &'static SharedNode, transmitter: &'static mut Transmitter) -> ! {
     bus::transmit(node, &SIGNALS, transmitter).await
 }
 
@@ -153,10 +181,4 @@ async fn planning_task(node: &'static SharedNode) -> ! {
 #[embassy_executor::task]
 async fn storage_task(node: &'static SharedNode, store: Store<ParameterFlash>) -> ! {
     storage::run(node, &SIGNALS, store).await
-}
-
-#[cfg(feature = "fdcan")]
-#[embassy_executor::task]
-async fn reception_task(reception: super::fdcan::Reception) -> ! {
-    reception.run().await
 }

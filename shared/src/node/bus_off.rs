@@ -5,26 +5,24 @@
 //! 32 frames, and disturb whoever is left with their error flags, some hundred times in a second. So it
 //! is made to wait before it asks, longer each time.
 
-use crate::time::Ticks;
+/// Ticks to wait after the first time.
+pub const SHORTEST_WAIT: u16 = 10;
 
-/// The wait after the first time.
-pub const SHORTEST_WAIT: Ticks = Ticks(10);
+/// The longest wait in ticks: a cable that is put right is noticed before anybody wonders.
+pub const LONGEST_WAIT: u16 = 1_280;
 
-/// The longest wait: a cable that is put right is noticed before anybody wonders.
-pub const LONGEST_WAIT: Ticks = Ticks(1_280);
-
-/// On the bus for so long, the next time counts as the first.
-pub const CALM: Ticks = Ticks(10_000);
+/// On the bus for so many ticks, the next time counts as the first.
+pub const CALM: u16 = 10_000;
 
 /// Counts the ticks of one controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BusOffRecovery {
     /// Ticks until it may ask to come back; 0 while it is not waiting.
-    left: u32,
+    left: u16,
     /// The next wait.
-    wait: u32,
+    wait: u16,
     /// Ticks since it asked last.
-    calm: u32,
+    calm: u16,
 }
 
 impl BusOffRecovery {
@@ -32,7 +30,7 @@ impl BusOffRecovery {
     pub const fn new() -> Self {
         Self {
             left: 0,
-            wait: SHORTEST_WAIT.0,
+            wait: SHORTEST_WAIT,
             calm: 0,
         }
     }
@@ -42,7 +40,7 @@ impl BusOffRecovery {
     pub fn tick(&mut self, went_off: bool) -> bool {
         if went_off && self.left == 0 {
             self.left = self.wait;
-            self.wait = self.wait.saturating_mul(2).min(LONGEST_WAIT.0);
+            self.wait = self.wait.saturating_mul(2).min(LONGEST_WAIT);
             self.calm = 0;
             return false;
         }
@@ -51,8 +49,8 @@ impl BusOffRecovery {
             return self.left == 0;
         }
         self.calm = self.calm.saturating_add(1);
-        if self.calm >= CALM.0 {
-            self.wait = SHORTEST_WAIT.0;
+        if self.calm >= CALM {
+            self.wait = SHORTEST_WAIT;
         }
         false
     }
@@ -90,11 +88,11 @@ mod tests {
         let mut recovery = BusOffRecovery::new();
         wait(&mut recovery);
         wait(&mut recovery);
-        for _ in 0..CALM.0 - 1 {
+        for _ in 0..CALM - 1 {
             assert!(!recovery.tick(false));
         }
         assert_eq!(wait(&mut recovery), 40);
-        for _ in 0..CALM.0 {
+        for _ in 0..CALM {
             assert!(!recovery.tick(false));
         }
         assert_eq!(wait(&mut recovery), 10);
