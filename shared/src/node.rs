@@ -20,9 +20,13 @@
 //! | file | what it holds |
 //! |---|---|
 //! | `assign` | an axis gets another id, by the chip's |
+//! | `bus_off` | when a controller that went off its bus may come back |
+//! | `restart` | why a node had to begin anew |
 //! | `save` | parameters on their way to the store |
 
 mod assign;
+pub mod bus_off;
+pub mod restart;
 mod save;
 
 use crate::axis::state::State;

@@ -139,6 +139,19 @@ faults! {
     DriveRestart = 24, "drive_restart",
         "the drive began anew by itself",
         "check its power, then clear and enable";
+    // From here on the node's own.
+    /// The node's program found something that cannot be, and began anew.
+    NodePanic = 32, "node_panic",
+        "the node's firmware found something that cannot be, and began anew",
+        "report it with what was going on, then clear and enable";
+    /// The node's processor could not go on.
+    NodeHardFault = 33, "node_hard_fault",
+        "the node's processor had a hardware fault, and the node began anew",
+        "look for an unsteady supply; else report it with what was going on, then clear and enable";
+    /// The node's control loop was late or stood still.
+    WatchdogReset = 34, "watchdog_reset",
+        "the node's control loop did not get on, and its watchdog reset it",
+        "look for a bus that is flooded; else report it with what was going on, then clear and enable";
 }
 
 impl From<Trouble> for Fault {
@@ -177,9 +190,11 @@ impl Fault {
 
     /// Whether the drive itself is gone, stopped or not there: it cannot be led to rest.
     pub const fn is_of_drive(self) -> bool {
+        const FIRST: u8 = Fault::DriveTemperature as u8;
+        const LAST: u8 = Fault::DriveRestart as u8;
         matches!(
             self,
             Self::DriveLost | Self::DriveFault | Self::EnableTimeout
-        ) || self as u8 >= Self::DriveTemperature as u8
+        ) || matches!(self as u8, FIRST..=LAST)
     }
 }

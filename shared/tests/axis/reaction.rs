@@ -57,7 +57,11 @@ pub fn trouble(bench: &mut Bench, fault: Fault) {
             assert_eq!(bench.handle(&report.encode(AXIS)), Outcome::Ignored);
         }
         Fault::ParametersLost => bench.axis.lose_parameters(),
-        Fault::EnableTimeout | Fault::StreamUnderrun => panic!("{fault:?} is tested elsewhere"),
+        Fault::EnableTimeout
+        | Fault::StreamUnderrun
+        | Fault::NodePanic
+        | Fault::NodeHardFault
+        | Fault::WatchdogReset => panic!("{fault:?} is tested elsewhere"),
         of_drive => {
             let mut troubles = Trouble::ALL.into_iter();
             let trouble = troubles.find(|trouble| Fault::from(*trouble) == of_drive);

@@ -37,7 +37,7 @@ pub fn run(context: &Context, arguments: &Drive) -> Result<()> {
     };
     let stop = Arc::new(AtomicBool::new(false));
     on_signal(Arc::clone(&stop))?;
-    let mut bus = context.open()?;
+    let mut bus = context.open(context.bitrate())?;
     eprintln!(
         "running {} drives on {}; end with Ctrl-C",
         stations.len(),
