@@ -13,6 +13,7 @@ mod vcan {
     mod trouble;
     mod two_hosts;
     mod walking;
+    mod zero;
 }
 
 use std::time::Duration;

@@ -81,10 +81,12 @@ impl Drive for DriveLink {
 
     fn configure(&mut self, settings: impl FnOnce() -> DriveSettings) {
         let settings = settings();
-        let stays = settings.kind == DriveKind::Simulated && settings.kind == self.settings.kind;
-        if stays || settings == self.settings {
+        if let (Language::Simulated(drive), DriveKind::Simulated) =
+            (&mut self.language, settings.kind)
+        {
+            drive.shift(settings.offset - self.settings.offset);
             self.settings = settings;
-        } else {
+        } else if settings != self.settings {
             // As a new one: what was heard may have been another drive's, or meant another place.
             *self = Self::new(&settings);
         }

@@ -83,6 +83,8 @@ pub enum Verb {
     Stop(Axes),
     /// Emergency stop: come to rest and latch a fault.
     Estop(Axes),
+    /// Make where disabled axes are their zero, or any other position.
+    Zero(Zero),
     /// Move axes, together.
     Move(Move),
     /// Read and change what is set about the axes: limits, time-outs, reactions.
@@ -226,6 +228,19 @@ pub struct Axes {
     /// The axes: 1-12, 1,2,5 or all.
     #[arg(value_name = "AXES")]
     pub axes: AxisList,
+}
+
+#[derive(Args)]
+pub struct Zero {
+    /// The axes: 1-12, 1,2,5 or all.
+    #[arg(value_name = "AXES")]
+    pub axes: AxisList,
+    /// What their position shall read there.
+    #[arg(long, value_name = "ANGLE", value_parser = angle, allow_hyphen_values = true, default_value = "0")]
+    pub at: f64,
+    /// Keep it over a reset, with all else that was changed since the last time.
+    #[arg(long)]
+    pub save: bool,
 }
 
 #[derive(Args)]

@@ -17,6 +17,7 @@ mod soak;
 mod status;
 mod stop;
 mod tools;
+mod zero;
 
 use crate::arguments::{Arguments, Verb};
 use crate::context::Context;
@@ -38,6 +39,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         Verb::Clear(list) => power::run(&context, power::Change::Clear, &list.axes),
         Verb::Stop(list) => stop::run(&context, &list.axes),
         Verb::Estop(list) => stop::emergency(&context, &list.axes),
+        Verb::Zero(request) => zero::run(&context, &request),
         Verb::Move(request) => r#move::run(&context, &request),
         Verb::Plan(request) => plan::run(&context, &request),
         Verb::Path(request) => path::run(&context, &request),
