@@ -11,6 +11,7 @@ mod vcan {
     mod store;
     mod trouble;
     mod two_hosts;
+    mod walking;
 }
 
 use std::time::Duration;

@@ -1,4 +1,4 @@
-//! Axes 1 to 3 in a `canter node` process on a bus of the test's own.
+//! Axes in a `canter node` process on a bus of the test's own, 1 to 3 as a rule.
 
 use canter_shared::time::Ticks;
 use canter_shared::units::Position;
@@ -35,12 +35,17 @@ pub struct Robot {
 impl Robot {
     /// Starts axes 1 to 3 on `bus` and waits until they are there.
     pub fn start(bus: &'static str) -> Self {
+        Self::of_axes(bus, "1-3")
+    }
+
+    /// Starts these axes in one process and waits until they are there.
+    pub fn of_axes(bus: &'static str, axes: &str) -> Self {
         let directory = tempfile::tempdir().expect("a directory for the trace");
         let trace = directory.path().join("trace.csv");
         let mut node = Command::new(canter_tests::canter());
-        node.args(["--can", bus, "node", "--axes", "1-3", "--trace"]);
+        node.args(["--can", bus, "node", "--axes", axes, "--trace"]);
         let mut node = Process::spawn(node.arg(&trace));
-        node.wait_for("start", |line| line.text.starts_with("running 3 axes"));
+        node.wait_for("start", |line| line.text.starts_with("running "));
         Self {
             bus,
             node,
@@ -52,6 +57,11 @@ impl Robot {
     /// The node's process.
     pub fn process(&self) -> u32 {
         self.node.id()
+    }
+
+    /// Cuts its power, as far as a process has any.
+    pub fn kill(&self) {
+        self.node.signal("KILL");
     }
 
     /// A `canter` command on this bus, not started yet.
@@ -90,6 +100,11 @@ impl Robot {
         self.node.finish().success();
         Trace::read(&self.trace)
     }
+}
+
+/// Bus time now: the host's monotonic clock, which SYNC gave to the node.
+pub fn now_in_ticks() -> u64 {
+    canter::bus::monotonic_time().0 / 1_000
 }
 
 /// Waits for a report of `axis` on `bus`, from now on.

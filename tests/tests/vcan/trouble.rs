@@ -1,6 +1,6 @@
 //! Stops, vanished hosts, second hosts: what must hold when things go wrong in mid-move.
 
-use super::robot::{Robot, axis};
+use super::robot::{Robot, axis, now_in_ticks};
 use canter_shared::axis::state::State;
 use canter_shared::limits::Limits;
 use canter_shared::wire::report::Report;
@@ -22,11 +22,6 @@ fn wait_for_motion(robot: &Robot) {
         Report::Feedback { velocity, .. } => velocity.radians() > 10.0,
         _ => false,
     });
-}
-
-/// Bus time now: the host's monotonic clock, which SYNC gave to the node.
-fn now_in_ticks() -> u64 {
-    canter::bus::monotonic_time().0 / 1_000
 }
 
 fn first_in(rows: &[Row], state: &str) -> u64 {

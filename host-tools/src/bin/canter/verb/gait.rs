@@ -18,7 +18,7 @@ use crate::arguments::{GaitAction, GaitFormat, GaitPlan};
 use crate::context::{Context, print_all};
 use anyhow::Result;
 use canter::gait::{
-    Course, Gait, GaitError, Kind, LEG_NAMES, Peaks, Quadruped, Request, State, svg,
+    Body, Course, Gait, GaitError, Kind, LEG_NAMES, Peaks, Quadruped, Request, State, svg,
 };
 use canter::profile::table::number;
 use canter::walk::WalkError;
@@ -88,6 +88,17 @@ fn numbers(gait: &Gait) -> Value {
         "overlay": gait.overlay,
         "swing": gait.swing,
         "stance": gait.stance,
+    })
+}
+
+fn body(body: &Body) -> Value {
+    json!({
+        "vx": body.vx,
+        "vy": body.vy,
+        "yaw_rate": body.yaw_rate,
+        "height": body.height,
+        "roll": body.roll,
+        "pitch": body.pitch,
     })
 }
 
@@ -174,18 +185,10 @@ fn summary(name: &str, request: &Request, peaks: &Peaks) -> Value {
     let feet: Value = feet
         .map(|(leg, height)| json!({"leg": leg, "clearance": height}))
         .collect();
-    let body = &request.body;
     json!({
         "gait": name,
         "pattern": request.gait.as_ref().map(numbers),
-        "body": {
-            "vx": body.vx,
-            "vy": body.vy,
-            "yaw_rate": body.yaw_rate,
-            "height": body.height,
-            "roll": body.roll,
-            "pitch": body.pitch,
-        },
+        "body": body(&request.body),
         "steady": request.steady,
         "duration": peaks.duration,
         "axes": axes,

@@ -100,7 +100,9 @@ impl Orders for Pilot {
             Some(span) => walked >= span,
             None => self.is_over && walked >= self.least,
         };
-        if self.signals.has_stopped() || (walks && is_long_enough) {
+        if self.signals.has_stopped() || (walks && is_long_enough) || order == Some(Order::Stop) {
+            // The next signal does not ask for what is under way.
+            self.signals.stop();
             return Some(Order::Stop);
         }
         if let Some(Order::Body(body)) = order {
@@ -125,6 +127,12 @@ impl Orders for Pilot {
         }
         if self.phase.replace(phase) != Some(phase) {
             say(&format!("{time:7.2} s: {}", phase.words()));
+        }
+        if let Source::Keys(keys) = &mut self.source
+            && self.signals.has_stopped()
+        {
+            // Nobody asks for orders any more, but a person may yet want to end it at once.
+            keys.next(&self.body);
         }
         if let Some(origin) = self.origin {
             let due = origin + Duration::from_secs_f64(time);

@@ -1,17 +1,17 @@
 //! A walk on the robot, and what is printed of it.
 
-use super::NoOffsets;
 use super::keys::{HELP, Keys};
 use super::lines::Lines;
 use super::pilot::{Pilot, Source};
 use super::signals::Signals;
+use super::{NoOffsets, body, numbers};
 use crate::arguments::GaitRun;
 use crate::commander;
 use crate::context::{Context, on_signal_do, tell_complaints};
 use anyhow::Result;
 use canter::gait::{GaitError, Quadruped};
 use canter::walk::joints::axes;
-use canter::walk::{Budget, Preflight, Settings, Walked, preflight, walk};
+use canter::walk::{Budget, Order, Preflight, Settings, Walked, preflight, walk};
 use serde_json::{Value, json};
 use std::io::IsTerminal;
 
@@ -104,7 +104,7 @@ fn tell(
             "gait": name,
             "duration": duration,
             "cycles": arguments.cycles,
-            "orders": walked.replay.orders.len(),
+            "orders": walked.replay.orders.iter().map(taken).collect::<Value>(),
             "refused": refused,
             "deviation": deviation,
             "axes": axes.collect::<Value>(),
@@ -128,6 +128,16 @@ fn tell(
         budget.bitrate.bits_per_second(),
     );
     Ok(())
+}
+
+/// An order that was taken, and when in s of the motion.
+fn taken((time, order): &(f64, Order)) -> Value {
+    match order {
+        Order::Body(asked) => json!({"time": time, "order": "body", "body": body(asked)}),
+        Order::Gait(gait) => json!({"time": time, "order": "gait", "pattern": numbers(gait)}),
+        Order::Stand => json!({"time": time, "order": "stand"}),
+        Order::Stop => json!({"time": time, "order": "stop"}),
+    }
 }
 
 fn document(budget: &Budget) -> Value {

@@ -36,6 +36,11 @@ impl Signals {
         }
     }
 
+    /// The robot settles and sits, for whatever reason.
+    pub fn stop(&self) {
+        self.stops.store(true, Ordering::Relaxed);
+    }
+
     /// Whether the robot is to settle and sit.
     pub fn has_stopped(&self) -> bool {
         self.stops.load(Ordering::Relaxed)
