@@ -3,9 +3,8 @@
 //! An axis joins two knots by the cubic that has their positions and velocities. Over a period T the
 //! cubic is off from a curve x by x'''' / 384 T^4 in the middle and by less on either side, always to
 //! the one side while x'''' keeps its sign (Hermite interpolation; Stoer and Bulirsch,
-//! Introduction to Numerical Analysis, chapter 2). So each knot is put half as far to the other side as
-//! the middles of its neighbours are off on the mean: a half of the error is then left, on both
-//! sides.
+//! Introduction to Numerical Analysis, chapter 2). So each knot is put to the curve's side by half of what
+//! the worse of the two middles beside it is off: a half of the error is then left, on both sides.
 
 use super::joints::{JOINTS, positions, velocities};
 use super::order::Order;
@@ -108,7 +107,7 @@ impl Knots {
         self.here = self.sequence.advance(self.mark as f64 * GRID)?;
         let after = errors(&here, &middle, &self.here, self.period());
         let shift = std::array::from_fn(|joint| match self.given {
-            Some(_) => 0.25 * (self.before[joint] + after[joint]),
+            Some(_) => 0.5 * larger(self.before[joint], after[joint]),
             // The first is where the axes rest.
             None => 0.0,
         });
@@ -127,6 +126,11 @@ impl Knots {
             });
         self.given = Some(knots.collect());
     }
+}
+
+/// The larger of two errors of one sign; of two signs, what is left of both.
+fn larger(one: f64, other: f64) -> f64 {
+    one.max(other).max(0.0) + one.min(other).min(0.0)
 }
 
 /// How far each joint is from the cubic in its middle.

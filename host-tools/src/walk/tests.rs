@@ -38,32 +38,43 @@ fn setpoints_of_a_steady_gait_are_within_50_microrad_of_its_motion() {
         let replay = replay(settings(kind, vx), Vec::new(), 4.0);
         let deviation = replay.deviation().expect("within limits");
         println!("{}: {deviation:.2e} rad at {vx} m/s", kind.name());
-        assert!(deviation <= 50e-6, "{kind:?}: {deviation}");
+        assert!(deviation <= 25e-6, "{kind:?}: {deviation}");
+    }
+    // Steps that do not begin and end at knots.
+    for period in [0.393, 0.397, 0.407, 0.413] {
+        let mut settings = settings(Kind::Trot, 0.5);
+        settings.gait = settings.gait.map(|gait| Gait { period, ..gait });
+        let replay = replay(settings, Vec::new(), 4.0);
+        let deviation = replay.deviation().expect("within limits");
+        println!("trot of {period} s: {deviation:.2e} rad");
+        assert!(deviation <= 50e-6, "{period}: {deviation}");
     }
 }
 
-/// What foresight lets through no axis refuses, whatever the moment of the cycle.
+/// What foresight lets through no axis refuses, whatever the moment of the cycle; and what it refuses is
+/// not far from what an axis refuses.
 #[test]
-fn foresight_lets_through_what_axes_take_and_refuses_the_rest() {
+fn foresight_lets_through_what_axes_take_and_little_less() {
     let foresight = Foresight::new(&quadruped());
     let walk = Order::Gait(Kind::Walk.gait().expect("it walks"));
-    for moment in 0..8 {
-        for (vx, fits) in [(0.2, true), (0.5, false)] {
-            let settings = settings(Kind::Trot, vx);
-            let time = 3.0 + 0.05 * f64::from(moment);
+    let (mut both, mut cautious) = (0, 0);
+    for moment in 0..3 {
+        for step in 0..10 {
+            let settings = settings(Kind::Trot, 0.31 + 0.01 * f64::from(step));
+            let time = 2.0 + 0.13 * f64::from(moment);
             let mut knots = knots(&settings);
             while knots.time() < time {
                 knots.next().expect("a trot").expect("a knot");
             }
             let seen = foresight.look(&knots, Some(&walk));
-            let taken = replay(settings, vec![(knots.time(), walk)], 9.0).deviation();
-            assert_eq!(
-                (seen.is_ok(), taken.is_ok()),
-                (fits, fits),
-                "{seen:?} {taken:?}"
-            );
+            let taken = replay(settings, vec![(knots.time(), walk)], 8.0).deviation();
+            assert!(taken.is_ok() || seen.is_err(), "{settings:?} {taken:?}");
+            both += u32::from(seen.is_ok());
+            cautious += u32::from(seen.is_err() && taken.is_ok());
         }
     }
+    println!("of 30 changes {both} are let through, {cautious} refused that axes would take");
+    assert!(both > 5 && both < 25 && cautious <= 6, "{both} {cautious}");
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! The command line's shape.
 
+mod drive;
 mod foot;
 mod gait;
 mod leg;
@@ -7,6 +8,7 @@ mod param;
 mod path;
 mod profile;
 
+pub use drive::{Drive, DriveKindArgument};
 pub use foot::{Foot, FootFormat};
 pub use gait::{GaitAction, GaitArguments, GaitFormat, GaitPlan, GaitRun};
 pub use leg::{LegAction, LegArguments};
@@ -65,6 +67,8 @@ pub enum Verb {
     Demo(Demo),
     /// Run axis nodes on a bus, in real time, from the firmware's own core.
     Node(Node),
+    /// Run models of servo drives on a bus, in real time, to try nodes on.
+    Drive(Drive),
     /// Find the nodes on the bus, and give their axes other ids.
     Scan(Scan),
     /// Print the state of every axis on the bus.
@@ -159,9 +163,12 @@ pub struct Node {
     /// The axes to run: 1-12 or 1,2,5.
     #[arg(long, value_name = "LIST", value_parser = axes)]
     pub axes: AxisVector,
-    /// The drive behind each axis.
-    #[arg(long, value_enum, default_value_t = DriveKind::Simulated)]
-    pub drive: DriveKind,
+    /// The drive behind each axis: the parameter drive.kind of all of them, which is simulated without it.
+    #[arg(long, value_enum)]
+    pub drive: Option<DriveKindArgument>,
+    /// The bus of the drives, which is not the one of --can: ids would collide.
+    #[arg(long, value_name = "BUS")]
+    pub drive_can: Option<BusAddress>,
     /// Keep the parameters and the axes' ids here over an end of the process; made where it is
     /// missing. What it keeps goes before the robot file.
     #[arg(long, value_name = "FILE")]
@@ -212,12 +219,6 @@ fn assignment(text: &str) -> Result<Assignment, String> {
         old,
         new: axis(new)?,
     })
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-pub enum DriveKind {
-    /// No drive: setpoints are followed in the process.
-    Simulated,
 }
 
 #[derive(Args)]

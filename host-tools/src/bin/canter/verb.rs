@@ -2,6 +2,7 @@
 
 mod compare;
 mod demo;
+mod drive;
 mod foot;
 mod gait;
 mod leg;
@@ -28,6 +29,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     match arguments.verb {
         Verb::Demo(demo) => demo::run(&context, &demo),
         Verb::Node(node) => node::run(&context, &node),
+        Verb::Drive(drive) => drive::run(&context, &drive),
         Verb::Scan(arguments) => scan::run(&context, &arguments),
         Verb::Param(arguments) => param::run(&context, &arguments),
         Verb::Status => status::run(&context),
