@@ -84,7 +84,8 @@
 
   const step = (now) => {
     if (!playing) return;
-    if (before !== null) at += (now - before) / 1e3 * Number(speed.value) / data.step;
+    // A page that was hidden goes on where it was.
+    if (before !== null) at += Math.min(now - before, 100) / 1e3 * Number(speed.value) / data.step;
     before = now;
     if (at > last) at = 0;
     draw();

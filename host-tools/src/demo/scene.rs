@@ -11,7 +11,7 @@ use std::fmt::Write as _;
 /// What sets the picture in motion.
 pub const SCRIPT: Script = Script {
     source: include_str!("scene.js"),
-    sha256: "Ijuke+fh6J/nOMtFVVUgDa32BhPXXvtwDVJCUi4gEEs=",
+    sha256: "7OfSDiMP66+Gjjoicr9jpU/viEO+nLvuicWEe0s/Lfo=",
 };
 
 /// How it looks.

@@ -63,7 +63,7 @@ impl std::str::FromStr for BusAddress {
 
 #[derive(Subcommand)]
 pub enum Verb {
-    /// Show everything on a simulated robot of 12 axes, with a report to look at.
+    /// Move, walk and stop a simulated robot of 12 axes, with a report to look at.
     Demo(Demo),
     /// Run axis nodes on a bus, in real time, from the firmware's own core.
     Node(Node),

@@ -15,6 +15,9 @@ const AROUND: u64 = 15;
 /// From dot to dot, in ticks.
 const DOTS: usize = 10;
 
+/// The skews of so many moves are shown to all, those of the others to who asks.
+const SHOWN: usize = 2;
+
 /// What a chart shows of a sample.
 type Value = fn(&Sample) -> f64;
 
@@ -64,7 +67,7 @@ pub fn section(
             let title = format!("Start skew of move {}: {}", index + 1, measured.title);
             skew(title, &measured.skews)
         });
-    figures.extend(skews.next());
+    figures.extend(skews.by_ref().take(SHOWN));
     figures.extend(walk);
     let folded = (
         "The start skew of the other moves".to_owned(),

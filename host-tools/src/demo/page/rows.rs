@@ -21,7 +21,7 @@ pub fn rows(measurements: &Measurements) -> Vec<(String, String, String)> {
         );
         row(
             format!("{title}: start skew"),
-            format!("{:.1} us", measured.skew()),
+            format!("{:.1} \u{b5}s", measured.skew()),
             "true time, over all axes",
         );
         if let Some(distance) = measured.distance {
@@ -46,7 +46,7 @@ pub fn rows(measurements: &Measurements) -> Vec<(String, String, String)> {
         );
         row(
             String::from("walk: start skew"),
-            format!("{:.1} us", walk.skew()),
+            format!("{:.1} \u{b5}s", walk.skew()),
             "true time, over all axes",
         );
         row(

@@ -6,15 +6,23 @@ use super::super::posture::{Posture, postures};
 use super::super::promise::DEVIATION;
 use super::super::{Performance, Sample, scene};
 use crate::gait::{LEG_NAMES, LEGS};
-use crate::leg::LegError;
+use crate::leg::{Leg, LegError};
 use crate::plot::report::{Figure, Picture, Section};
 use crate::plot::{Axis, Chart, Series, Timeline};
 use crate::robot::Robot;
 use crate::walk::Phase;
 use canter_shared::time::Tick;
 
-/// The joints of a leg of three links.
-const JOINTS: [&str; 3] = ["thigh", "knee", "abduction"];
+/// Joints of a leg.
+const JOINTS: usize = 3;
+
+/// What the joints of a leg are called, in their order.
+const fn joint_names(leg: &Leg) -> [&'static str; JOINTS] {
+    match leg {
+        Leg::FiveBar(_) => ["front motor", "rear motor", "abduction"],
+        Leg::Serial(_) => ["thigh", "knee", "abduction"],
+    }
+}
 
 /// From dot to dot, in ticks.
 const DOTS: usize = 20;
@@ -65,7 +73,7 @@ pub fn section(performance: &Performance, walk: &Walk, robot: &Robot) -> Result<
         ),
     ];
     let joints = |leg: usize| {
-        let charts = (0..JOINTS.len()).map(move |joint| joint_chart(performance, walk, leg, joint));
+        let charts = (0..JOINTS).map(move |joint| joint_chart(performance, walk, leg, joint));
         charts.map(|chart| {
             Figure::chart(
                 chart,
@@ -176,7 +184,7 @@ fn worst_line(
     value: &dyn Fn(&Sample, f64) -> f64,
 ) -> Series {
     let mut points: Vec<(f64, f64)> = Vec::new();
-    for (leg, joint) in (0..LEGS).flat_map(|leg| (0..JOINTS.len()).map(move |joint| (leg, joint))) {
+    for (leg, joint) in (0..LEGS).flat_map(|leg| (0..JOINTS).map(move |joint| (leg, joint))) {
         let pairs = walk.against_ideal(performance, leg, joint).enumerate();
         for (tick, (sample, ideal)) in pairs {
             let stretch = tick / STRETCH;
@@ -226,10 +234,15 @@ fn joint_chart(performance: &Performance, walk: &Walk, leg: usize, joint: usize)
     let middle = (first.0 + last.0) / 2;
     let close = CLOSE as u64;
     let (from, to) = (Tick(middle.saturating_sub(close)), Tick(middle));
-    let axis = walk.quadruped.mounts[leg].leg.axes[joint];
+    let mount = &walk.quadruped.mounts[leg];
+    let axis = mount.leg.axes[joint];
     let samples = performance.samples.between(axis, from, to);
     let time = |sample: &Sample| (sample.setpoint.tick.0 as f64 - walk.start.0 as f64) / 1e3;
-    let title = format!("{}, {} (axis {axis})", LEG_NAMES[leg], JOINTS[joint]);
+    let title = format!(
+        "{}, {} (axis {axis})",
+        LEG_NAMES[leg],
+        joint_names(&mount.leg.kinematics)[joint]
+    );
     let mut chart = Chart::new(title, time_axis(), Axis::new("position", "rad"));
     let line = samples.iter().map(|sample| {
         let setpoint = &sample.setpoint.setpoint;
