@@ -2,38 +2,70 @@
 
 use std::{env, error::Error, fs, path::PathBuf};
 
-/// Half of the 512 KiB of flash: the processor can read one bank while the other is erased, so the
-/// image is in the first and the parameters are in the second. RAM is SRAM1 and SRAM2; the CCM behind
-/// them is left alone.
-const STM32G474RE: &str = "MEMORY
+/// The boards: feature, and the memory of the chip.
+const BOARDS: [(&str, &str); 4] = [
+    // Half of the 512 KiB of flash: the processor can read one bank while the other is erased, so the
+    // image is in the first and the parameters are in the second. RAM is SRAM1 and SRAM2; the CCM
+    // behind them is left alone.
+    (
+        "NUCLEO_G474RE",
+        "MEMORY
 {
   FLASH : ORIGIN = 0x08000000, LENGTH = 256K
   RAM   : ORIGIN = 0x20000000, LENGTH = 96K
 }
-";
-
-/// What QEMU's netduinoplus2 machine has: 1 MiB of flash, 128 KiB of RAM.
-const STM32F405RG: &str = "MEMORY
+",
+    ),
+    // The parameters are in the second and the third sector, which are 16 KiB each and so the quickest
+    // to erase. The vector table is in the first one, and the code begins behind them: 3 x 16 KiB.
+    (
+        "NUCLEO_F446RE",
+        "MEMORY
+{
+  FLASH : ORIGIN = 0x08000000, LENGTH = 512K
+  RAM   : ORIGIN = 0x20000000, LENGTH = 128K
+}
+_stext = ORIGIN(FLASH) + 48K;
+",
+    ),
+    // The first of two banks; the parameters are at the end of the second. RAM is the processor's own
+    // (DTCM), which no cache stands before.
+    (
+        "NUCLEO_H743ZI2",
+        "MEMORY
 {
   FLASH : ORIGIN = 0x08000000, LENGTH = 1024K
   RAM   : ORIGIN = 0x20000000, LENGTH = 128K
 }
-";
+",
+    ),
+    // What QEMU's netduinoplus2 machine has.
+    (
+        "EMULATED",
+        "MEMORY
+{
+  FLASH : ORIGIN = 0x08000000, LENGTH = 1024K
+  RAM   : ORIGIN = 0x20000000, LENGTH = 128K
+}
+",
+    ),
+];
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo:rerun-if-changed=build.rs");
     println!("cargo:rerun-if-changed=../memory.x");
-    let nucleo = env::var_os("CARGO_FEATURE_NUCLEO_G474RE").is_some();
-    let chip = if nucleo { STM32G474RE } else { STM32F405RG };
+    let has = |feature: &str| env::var_os(format!("CARGO_FEATURE_{feature}")).is_some();
+    // With none or several the crate's root says what is wrong.
+    let memory = BOARDS.into_iter().find(|(feature, _)| has(feature));
     let out = PathBuf::from(env::var_os("OUT_DIR").ok_or("cargo sets OUT_DIR")?);
-    fs::write(out.join("chip.x"), chip)?;
+    fs::write(out.join("chip.x"), memory.map_or("", |(_, memory)| memory))?;
     println!("cargo:rustc-link-search={}", out.display());
 
     // Without --nmagic the linker aligns sections to pages of 64 KiB, which no flash here has.
     println!("cargo:rustc-link-arg-bins=--nmagic");
     println!("cargo:rustc-link-arg-bins=-Tlink.x");
-    if nucleo {
-        println!("cargo:rustc-link-arg-bin=nucleo-g474re=-Tdefmt.x");
+    if has("STM32") {
+        println!("cargo:rustc-link-arg-bins=-Tdefmt.x");
     }
     Ok(())
 }

@@ -1,4 +1,7 @@
-//! The receive and the transmit task: frames in, frames out.
+//! The tasks of the two buses: frames in, frames out.
+//!
+//! The host and the drives have a bus each: their ids would collide on one, and setpoints for three axes
+//! at 1 kHz fill most of a bus.
 
 use canter_shared::wire::frame::Frame;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
@@ -13,6 +16,8 @@ use crate::port::{CanReceive, CanTransmit};
 pub struct Signals {
     /// For the transmit task: the node may have something to send.
     pub(crate) transmit: Signal<CriticalSectionRawMutex, ()>,
+    /// For the drives' transmit task: a tick has left something to send.
+    pub(crate) drives: Signal<CriticalSectionRawMutex, ()>,
     /// For the 1 kHz task: the next tick has moved.
     pub(crate) retimed: Signal<CriticalSectionRawMutex, ()>,
     /// For the planning task: there is something to plan.
@@ -26,6 +31,7 @@ impl Signals {
     pub const fn new() -> Self {
         Self {
             transmit: Signal::new(),
+            drives: Signal::new(),
             retimed: Signal::new(),
             plan: Signal::new(),
             save: Signal::new(),
@@ -70,4 +76,28 @@ pub async fn transmit(node: &SharedNode, signals: &Signals, mut port: impl CanTr
 /// The lock ends here, before anybody waits for the hardware.
 fn next(node: &SharedNode) -> Option<Frame> {
     node.lock(|node| node.borrow_mut().poll_transmit(now()))
+}
+
+/// Hands every frame of the drives' bus to the node. It runs at the 1 kHz task's priority, so that the next
+/// tick knows what the drives have said.
+pub async fn receive_drives(node: &SharedNode, mut port: impl CanReceive) -> ! {
+    loop {
+        let received = port.receive().await;
+        node.lock(|node| node.borrow_mut().handle_drive_frame(&received.frame));
+    }
+}
+
+/// Sends what a tick has left for the drives. It runs at the 1 kHz task's priority and right after it: the
+/// first setpoint leaves some 10 us after the tick, the others as the bus takes them.
+pub async fn transmit_drives(
+    node: &SharedNode,
+    signals: &Signals,
+    mut port: impl CanTransmit,
+) -> ! {
+    loop {
+        while let Some(frame) = node.lock(|node| node.borrow_mut().poll_drive_transmit()) {
+            port.transmit(&frame).await;
+        }
+        signals.drives.wait().await;
+    }
 }

@@ -39,6 +39,7 @@ pub async fn run(
             (setpoints, node.has_plan(), node.stop_overdue())
         });
         sink.put(&setpoints);
+        signals.drives.signal(());
         signals.transmit.signal(());
         if plans {
             signals.plan.signal(());

@@ -6,6 +6,10 @@
 //! | module | what it holds |
 //! |---|---|
 //! | [`port`] | what a board must bring: a CAN bus, a drive port, a watchdog |
+//! | `stm32` | what the boards with an STM32 share: controllers, watchdog, flash, LED, the start |
+//! | `emulated` | what the emulated board has in their place |
+//! | [`bit_timing`] | how long a bit is, and where it is sampled |
+//! | [`crash`] | what is done about panics and hardware faults |
 //! | [`node`] | the node that the tasks share, and the lock around it |
 //! | [`control`] | the 1 kHz task |
 //! | [`bus`] | the receive and the transmit task |
@@ -13,26 +17,32 @@
 //! | [`storage`] | the storage task |
 //! | [`priority`] | who may interrupt whom |
 //!
-//! A board is one file in `src/bin/`: clocks, pins, interrupts, and thin `#[task]` wrappers,
-//! because a task cannot be generic. Exactly one board's feature is on in a build.
+//! A board is one file in `src/bin/`: clocks and pins. Exactly one board's feature is on in a build.
 #![no_std]
 
-#[cfg(all(feature = "nucleo-g474re", feature = "emulated"))]
-compile_error!(
-    "features `nucleo-g474re` and `emulated` exclude each other: for the emulated board, build \
-     with `--no-default-features --features emulated`"
+/// How many boards' features are on.
+const BOARDS: usize = cfg!(feature = "nucleo-g474re") as usize
+    + cfg!(feature = "nucleo-f446re") as usize
+    + cfg!(feature = "nucleo-h743zi2") as usize
+    + cfg!(feature = "emulated") as usize;
+const _: () = assert!(
+    BOARDS == 1,
+    "choose one board by its feature: `nucleo-g474re` (the default), or with `--no-default-features` \
+     `nucleo-f446re`, `nucleo-h743zi2` or `emulated`"
 );
-#[cfg(not(any(feature = "nucleo-g474re", feature = "emulated")))]
-compile_error!("choose a board: feature `nucleo-g474re` (the default) or `emulated`");
 
+pub mod bit_timing;
 pub mod bus;
 pub mod control;
+pub mod crash;
 #[cfg(feature = "emulated")]
 pub mod emulated;
 pub mod node;
 pub mod planning;
 pub mod port;
 pub mod priority;
+#[cfg(feature = "stm32")]
+pub mod stm32;
 pub mod storage;
 
 use canter_shared::time::LocalTime;

@@ -3,11 +3,11 @@
 use core::cell::RefCell;
 use core::sync::atomic::{Ordering, compiler_fence};
 
-use canter_shared::drive::simulated::Simulated;
+use canter_shared::drive::link::DriveLink;
+use canter_shared::node::restart::Restart;
 use canter_shared::node::{Board, Identity, Node};
 use canter_shared::parameter::Values;
 use canter_shared::parameter::store::{Loaded, StoredAxis};
-use canter_shared::units::Position;
 use canter_shared::wire::id::{AxisId, LAST_AXIS};
 use cortex_m::register::{basepri, basepri_max};
 use embassy_sync::blocking_mutex::Mutex;
@@ -56,14 +56,20 @@ const fn number(text: &str) -> u8 {
 /// 2000 instructions for a frame to one axis and 4000 to copy a motion out or in, 30 us at 170 MHz
 /// and about 1.3 cycles each. By so much a tick may be late, which is jitter on the drive port and
 /// never a wrong position: a setpoint is evaluated for its tick, not for the instant of the call.
-pub type SharedNode = Mutex<CeilingMutex, RefCell<Node<Simulated, AXES>>>;
+pub type SharedNode = Mutex<CeilingMutex, RefCell<Node<DriveLink, AXES>>>;
 
-/// A node with simulated drives, all axes at position zero and disabled, with the ids and parameters
-/// that were saved. Where nothing was, ids follow [`FIRST_AXIS`]; where it is lost, that is a fault.
+/// A node with all axes disabled, with the ids, the parameters and the drives that were saved; simulated
+/// drives at position zero where none were. Where nothing was, ids follow [`FIRST_AXIS`]; where it is lost, that is a fault, and
+/// so is that the node began anew by itself.
 ///
 /// # Panics
 /// Never: the axes fit by count, and no id is taken that another has.
-pub fn new(chip: [u8; 12], board: Board, loaded: &Loaded<AXES>) -> SharedNode {
+pub fn new(
+    chip: [u8; 12],
+    board: Board,
+    loaded: &Loaded<AXES>,
+    restart: Option<Restart>,
+) -> SharedNode {
     let mut node = Node::new(Identity {
         chip,
         firmware: VERSION,
@@ -82,9 +88,12 @@ pub fn new(chip: [u8; 12], board: Board, loaded: &Loaded<AXES>) -> SharedNode {
                 (id, Values::defaults(id))
             }
         };
-        let drive = Simulated::new(Position::ZERO);
+        let drive = DriveLink::new(&values.drive());
         let added = AxisId::new(id).map(|axis| node.add_axis_with_values(axis, &values, drive));
         assert!(matches!(added, Some(Ok(()))), "an axis was refused");
+    }
+    if let Some(restart) = restart {
+        node.restart_after(restart);
     }
     if *loaded == Loaded::Lost {
         node.lose_parameters();
@@ -107,8 +116,8 @@ fn free_id(wanted: u8, kept: &[StoredAxis]) -> u8 {
 pub struct CeilingMutex(());
 
 // SAFETY: the lock excludes whoever runs at or below the ceiling, and nobody above it takes it:
-// only `control::run` (at the ceiling) and `bus::receive`, `bus::transmit`, `planning::run`
-// and `storage::run` (below it) do, at the priorities of `crate::priority`. A nested lock keeps the ceiling until the outer one ends.
+// only `control::run` and the tasks of the drives' bus (at the ceiling) and `bus::receive`,
+// `bus::transmit`, `planning::run` and `storage::run` (below it) do, at the priorities of `crate::priority`. A nested lock keeps the ceiling until the outer one ends.
 unsafe impl RawMutex for CeilingMutex {
     const INIT: Self = Self(());
 

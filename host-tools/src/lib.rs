@@ -7,6 +7,7 @@
 //! | [`soak`] | random robots and faults against written invariants |
 //! | [`client`] | a commander of axes: finds, holds, moves, stops |
 //! | [`node`] | axis nodes in a host process |
+//! | [`drive_model`] | drives that are not there |
 //! | [`robot`] | the robot file |
 //! | [`parameter_file`] | parameters in a file |
 //! | [`profile`] | moves of one axis offline: planned, compared, drawn |
@@ -22,6 +23,7 @@ pub mod bus;
 pub mod client;
 pub mod dbc;
 pub mod demo;
+pub mod drive_model;
 pub mod foot;
 pub mod gait;
 pub mod leg;

@@ -1,18 +1,27 @@
 //! Axis nodes in a host process, in real time, from the firmware's own core.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `store`, `file_flash` | parameters in a file |
+//! | `trace` | every setpoint as CSV |
+//! | `advice` | what is worth to be known about the drives |
 
+mod advice;
 mod file_flash;
 mod store;
 mod trace;
 
+pub use advice::advice;
 pub use store::{StoreFile, StoreFileError};
 pub use trace::{Trace, TraceError};
 
 use crate::bus::{Bus, BusError, ErrorEvent, Event};
 use crate::robot::Robot;
-use canter_shared::drive::simulated::Simulated;
+use canter_shared::drive::link::DriveLink;
+use canter_shared::drive::settings::DriveKind;
 use canter_shared::node::{Board, BusEvent, Identity, Node, NodeError};
+use canter_shared::parameter::{Parameter, ParameterError, Values};
 use canter_shared::time::{BusTime, LocalTime};
-use canter_shared::units::Position;
 use canter_shared::wire::id::AxisId;
 use std::collections::hash_map::RandomState;
 use std::hash::{BuildHasher, Hasher};
@@ -34,6 +43,22 @@ pub enum HostNodeError {
     /// The store keeps something else.
     #[error(transparent)]
     Store(#[from] StoreFileError),
+    /// An axis cannot have this drive.
+    #[error("axis {axis} cannot have this drive: {source}")]
+    Drive {
+        /// The axis.
+        axis: AxisId,
+        /// Why not.
+        source: ParameterError,
+    },
+    /// A drive has no bus.
+    #[error(
+        "axis {axis} has a drive of its own: name the drives' bus with --drive-can, such as vcan1"
+    )]
+    NoDriveBus {
+        /// The axis.
+        axis: AxisId,
+    },
     /// The trace cannot be written.
     #[error(transparent)]
     Trace(#[from] TraceError),
@@ -50,9 +75,11 @@ pub struct Summary {
     pub latest: u64,
     /// Frames that the bus did not take.
     pub unsent: u64,
+    /// Frames that the drives' bus did not take, or lost on the way in.
+    pub lost_of_drives: u64,
 }
 
-type HostNode = Node<Simulated, { store::AXES }>;
+type HostNode = Node<DriveLink, { store::AXES }>;
 
 /// A chip id that no other process has: two nodes with one axis id must be told apart.
 fn chip() -> [u8; 12] {
@@ -71,9 +98,44 @@ pub struct Origin<'run> {
     pub robot: &'run Robot,
     /// Where it is kept; without it, a save is kept as long as the process lives.
     pub store: Option<&'run StoreFile>,
+    /// What drives the axes have, whatever is kept.
+    pub drive: Option<DriveKind>,
 }
 
-/// A node with its axes: those that the store keeps, with the ids that it keeps, or else `axes`.
+/// The axes that a node is going to have, with their parameters: those that the store keeps, with the ids
+/// that it keeps, or else `axes`.
+///
+/// # Errors
+/// The store keeps another number of them than `axes` names, or one cannot have the drive.
+pub fn values_of(
+    axes: &[AxisId],
+    origin: Origin<'_>,
+) -> Result<Vec<(AxisId, Values)>, HostNodeError> {
+    let mut values: Vec<_> = match origin.store.map(|store| (store, store.kept())) {
+        Some((store, Kept::Axes(kept))) if kept.len() != axes.len() => {
+            return Err(store.wrong_count(kept.len(), axes.len()).into());
+        }
+        Some((_, Kept::Axes(kept))) => kept.clone(),
+        _ => {
+            let of_robot = axes.iter().map(|axis| (*axis, origin.robot.values(*axis)));
+            of_robot.collect()
+        }
+    };
+    if let Some(kind) = origin.drive {
+        let raw = u8::from(kind).into();
+        for (axis, values) in &mut values {
+            let changed = values.with(Parameter::DriveKind, raw);
+            let (changed, _) = changed.map_err(|source| HostNodeError::Drive {
+                axis: *axis,
+                source,
+            })?;
+            *values = changed;
+        }
+    }
+    Ok(values)
+}
+
+/// A node with its axes.
 fn assemble(axes: &[AxisId], origin: Origin<'_>) -> Result<Box<HostNode>, HostNodeError> {
     // On the heap: room for all axes is too much for a stack.
     let mut node: Box<HostNode> = Box::new(Node::new(Identity {
@@ -81,13 +143,9 @@ fn assemble(axes: &[AxisId], origin: Origin<'_>) -> Result<Box<HostNode>, HostNo
         firmware: crate::version(),
         board: Board::Host,
     }));
-    let of_robot = axes.iter().map(|axis| (*axis, origin.robot.values(*axis)));
-    let axes: Vec<_> = match origin.store.map(StoreFile::kept) {
-        Some(Kept::Axes(kept)) => kept.clone(),
-        Some(Kept::Lost | Kept::Nothing) | None => of_robot.collect(),
-    };
-    for (axis, values) in &axes {
-        node.add_axis_with_values(*axis, values, Simulated::new(Position::ZERO))?;
+    for (axis, values) in values_of(axes, origin)? {
+        let link = DriveLink::new(&values.drive());
+        node.add_axis_with_values(axis, &values, link)?;
     }
     if origin
         .store
@@ -98,36 +156,36 @@ fn assemble(axes: &[AxisId], origin: Origin<'_>) -> Result<Box<HostNode>, HostNo
     Ok(node)
 }
 
-/// The axes that a node is going to have.
+/// Runs nodes for `axes` on `bus`, with their drives on `drives`, until `stop` is set.
 ///
 /// # Errors
-/// The store keeps another number of them than `axes` names.
-pub fn axes_of(axes: &[AxisId], store: Option<&StoreFile>) -> Result<Vec<AxisId>, StoreFileError> {
-    match store.map(|store| (store, store.kept())) {
-        Some((store, Kept::Axes(kept))) if kept.len() != axes.len() => {
-            Err(store.wrong_count(kept.len(), axes.len()))
-        }
-        Some((_, Kept::Axes(kept))) => Ok(kept.iter().map(|(axis, _)| *axis).collect()),
-        _ => Ok(axes.to_vec()),
-    }
-}
-
-/// Runs nodes for `axes` on `bus` until `stop` is set.
-///
-/// # Errors
-/// The bus or the trace failed, or the axes are not possible.
+/// A bus or the trace failed, or the axes are not possible.
 pub fn run(
     bus: &mut impl Bus,
+    mut drives: Option<&mut dyn Bus>,
     axes: &[AxisId],
     origin: Origin<'_>,
     mut trace: Option<Trace>,
     stop: &AtomicBool,
 ) -> Result<Summary, HostNodeError> {
-    axes_of(axes, origin.store)?;
     let mut node = assemble(axes, origin)?;
+    let mut with_drives = node
+        .axes()
+        .filter(|axis| drives.is_none() && axis.values().drive().kind != DriveKind::Simulated);
+    if let Some(axis) = with_drives.next() {
+        return Err(HostNodeError::NoDriveBus { axis: axis.id() });
+    }
+    drop(with_drives);
     let mut summary = Summary::default();
     while !stop.load(Ordering::Relaxed) {
+        if let Some(drives) = drives.as_deref_mut() {
+            hear_drives(&mut node, drives, &mut summary)?;
+        }
         run_due_ticks(&mut node, bus, &mut trace, &mut summary)?;
+        // First: a setpoint is for its tick.
+        if let Some(drives) = drives.as_deref_mut() {
+            lead_drives(&mut node, drives, &mut summary)?;
+        }
         save(&mut node, origin.store);
         transmit(&mut node, bus, &mut summary)?;
         // The node's clock is the bus's own: its local time is what the bus shows.
@@ -178,6 +236,40 @@ fn run_due_ticks(
         }
         node.plan();
     }
+}
+
+/// Takes what the drives have said. A tick is as often as it is looked at, so nobody waits for it.
+fn hear_drives(
+    node: &mut HostNode,
+    drives: &mut dyn Bus,
+    summary: &mut Summary,
+) -> Result<(), HostNodeError> {
+    while let Some(received) = drives.receive(BusTime(0))? {
+        match received.event {
+            Event::Frame(frame) => node.handle_drive_frame(&frame),
+            Event::Error(ErrorEvent::LostReception(count)) => {
+                summary.lost_of_drives += u64::from(count.unwrap_or(1));
+            }
+            // A drive that is not heard because of it is lost, which its axis finds.
+            Event::Error(_) => {}
+        }
+    }
+    Ok(())
+}
+
+fn lead_drives(
+    node: &mut HostNode,
+    drives: &mut dyn Bus,
+    summary: &mut Summary,
+) -> Result<(), HostNodeError> {
+    while let Some(frame) = node.poll_drive_transmit() {
+        match drives.send(&frame) {
+            Ok(()) => {}
+            Err(BusError::SendQueueFull { .. }) => summary.lost_of_drives += 1,
+            Err(error) => return Err(error.into()),
+        }
+    }
+    Ok(())
 }
 
 /// Hands over what is to be saved, and takes back what has been.

@@ -140,6 +140,9 @@ pub struct Axis {
     tick: Tick,
     handed_over: BusTime,
     drive: Option<DriveReport>,
+    /// The drive shall forget its faults: since the next tick, at this one.
+    wants_reset: bool,
+    resets: bool,
     commander: Commander,
     staged: Option<Staged>,
     prepared: Prepared,
@@ -182,6 +185,8 @@ impl Axis {
             tick: Tick(0),
             handed_over: BusTime(0),
             drive: None,
+            wants_reset: false,
+            resets: false,
             commander: Commander::default(),
             staged: None,
             prepared: Prepared::default(),
@@ -268,6 +273,7 @@ impl Axis {
     pub fn tick(&mut self, tick: Tick, now: BusTime) -> Setpoint {
         self.tick = tick;
         self.handed_over = now;
+        self.resets = core::mem::take(&mut self.wants_reset);
         self.follow_course();
         self.supervise();
         if self.state.drives() {
@@ -306,6 +312,7 @@ impl Axis {
     pub fn drive_command(&self) -> DriveCommand {
         DriveCommand {
             enable: self.state.drives(),
+            reset: self.resets,
             position: self.setpoint.position,
             velocity: self.setpoint.velocity,
             acceleration: self.setpoint.acceleration,

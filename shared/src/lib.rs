@@ -8,7 +8,7 @@
 //! | [`parameter`] | the table of parameters, what they set, and how they are kept |
 //! | [`motion`] | from limits to setpoints: beta S-curve, trapezoid, stop, retarget |
 //! | [`wire`] | bytes to meaning: CAN frames, ids, commands, reports |
-//! | [`drive`] | the servo drive behind an axis |
+//! | [`drive`] | the servo drive behind an axis, and the links that speak its language |
 //! | [`axis`] | who may move, and when to stop |
 //! | [`node`] | one device on the bus: a clock, an identity, some axes |
 //!
@@ -17,8 +17,8 @@
 //! `std`'s float functions are not the same bits everywhere, `libm`'s are, and so the host can
 //! predict every setpoint that a device will send.
 //!
-//! Arrows go one way: units, time <- limits <- motion <- parameter <- axis <- node; units <- wire <-
-//! parameter; units <- drive <- axis. `motion` never sees `wire`. A test in `tests/` holds this.
+//! Arrows go one way: units, time <- limits <- motion <- parameter <- axis <- node; units, time <- wire <-
+//! drive <- parameter. `motion` never sees `wire`. A test in `tests/` holds this.
 #![no_std]
 #![forbid(unsafe_code)]
 

@@ -1,11 +1,13 @@
 # shellcheck shell=bash
-# The image of the default board, as it would be flashed, and its lints.
+# The images of the boards, as they would be flashed, and their lints.
 source tests/lib/common.sh
 need_images
 
-board=(--package canter-firmware --no-default-features --features nucleo-g474re --bin nucleo-g474re)
-image_cargo clippy "${board[@]}"
-image_cargo build --profile firmware "${board[@]}"
+for board in nucleo-g474re nucleo-f446re nucleo-h743zi2; do
+    image=(--package canter-firmware --no-default-features --features "$board" --bin "$board")
+    image_cargo clippy "${image[@]}"
+    image_cargo build --profile firmware "${image[@]}"
+done
 
 say "tests"
 cargo test --locked --release --package canter-tests --test firmware -- --nocapture

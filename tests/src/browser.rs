@@ -183,7 +183,7 @@ impl Browser {
     /// Waits until an expression is true.
     ///
     /// # Panics
-    /// When it is not after [`PATIENCE`].
+    /// When it is not after half of [`PATIENCE`]; the rest is for the answer.
     #[track_caller]
     pub fn wait_until(&mut self, expression: &str) {
         let frames = format!(
@@ -196,7 +196,7 @@ impl Browser {
                 }};
                 look();
             }})",
-            PATIENCE.as_millis()
+            (PATIENCE / 2).as_millis()
         );
         let came = self.evaluate(&frames);
         assert_eq!(came, Value::Bool(true), "{expression} has not come true");

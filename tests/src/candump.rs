@@ -80,8 +80,26 @@ impl Candump {
     /// When candump or cansend is missing, or the interface is.
     #[track_caller]
     pub fn start(interface: &str) -> Self {
+        Self::listen(interface, interface)
+    }
+
+    /// The same, for some 11-bit identifiers only: there may be very many frames.
+    ///
+    /// # Panics
+    /// When candump or cansend is missing, or the interface is.
+    #[track_caller]
+    pub fn start_for(interface: &str, ids: &[u32]) -> Self {
+        let filters: String = ids.iter().map(|id| format!(",{id:03X}:7FF")).collect();
+        Self::listen(
+            interface,
+            &format!("{interface}{filters},{PROBE:08X}:{PROBE:08X}"),
+        )
+    }
+
+    #[track_caller]
+    fn listen(interface: &str, what: &str) -> Self {
         // A large receive buffer, and a count of what was lost in spite of it.
-        let options = ["-L", "-d", "-r", "4000000", interface];
+        let options = ["-L", "-d", "-r", "4000000", what];
         let mut candump = Self(Process::spawn(Command::new("candump").args(options)));
         // candump does not say when it listens: its first word is the first frame that it sees.
         let deadline = Instant::now() + PATIENCE;

@@ -14,8 +14,11 @@ pub const ARROWS: &[(&str, &[&str])] = &[
     ("limits", &["units", "time"]),
     ("motion", &["units", "time", "limits"]),
     ("wire", &["units", "time"]),
-    ("parameter", &["units", "time", "limits", "motion", "wire"]),
-    ("drive", &["units", "time"]),
+    (
+        "parameter",
+        &["units", "time", "limits", "motion", "wire", "drive"],
+    ),
+    ("drive", &["units", "time", "wire"]),
     (
         "axis",
         &[

@@ -1,8 +1,9 @@
-//! Tests on real SocketCAN buses. The `vcan` part of tests/run makes vcan0 to vcan11 for them, in
+//! Tests on real SocketCAN buses. The `vcan` part of tests/run makes vcan0 to vcan23 for them, in
 //! the kernel that runs or inside user-mode Linux; each test has a bus of its own.
 
 mod vcan {
     mod double;
+    mod drives;
     mod flood;
     mod moves;
     mod paths;
@@ -12,6 +13,7 @@ mod vcan {
     mod trouble;
     mod two_hosts;
     mod walking;
+    mod zero;
 }
 
 use std::time::Duration;

@@ -11,19 +11,17 @@
 #![no_std]
 #![no_main]
 
-use core::panic::PanicInfo;
-
 use canter_firmware::bus::{self, Signals};
 use canter_firmware::emulated::trace::Trace;
 use canter_firmware::emulated::{slcan, time};
 use canter_firmware::node::{self, FIRST_AXIS, SharedNode};
 use canter_firmware::port::NoWatchdog;
-use canter_firmware::{control, planning, priority, storage};
+use canter_firmware::{control, crash, planning, priority, storage};
 use canter_shared::node::Board;
 use canter_shared::parameter::flash::MemoryFlash;
 use canter_shared::parameter::store::Store;
 use cortex_m::peripheral::{NVIC, SCB};
-use cortex_m_rt::{ExceptionFrame, entry, exception};
+use cortex_m_rt::entry;
 use embassy_executor::InterruptExecutor;
 use static_cell::StaticCell;
 use stm32_metapac::{Interrupt, interrupt};
@@ -40,7 +38,7 @@ static NODE: StaticCell<SharedNode> = StaticCell::new();
 
 /// No flash that could be written is emulated: what is saved lasts until the emulator ends.
 type Memory = MemoryFlash<{ 2 * SLOT as usize }, { SLOT as usize }>;
-const SLOT: u32 = 512;
+const SLOT: u32 = 1024;
 
 /// There is no chip to have an id: one for each image, so that several can share a bus.
 const CHIP: [u8; 12] = {
@@ -59,7 +57,8 @@ fn main() -> ! {
     let (receiver, transmitter, monitor) = slcan::start();
     let mut store = storage::store(Memory::new(), 0, SLOT);
     let loaded = storage::load(&mut store);
-    let node = NODE.init(node::new(CHIP, Board::Emulated, &loaded));
+    let restart = crash::take().map(|crash| crash.restart);
+    let node = NODE.init(node::new(CHIP, Board::Emulated, &loaded, restart));
 
     // SAFETY: no executor runs yet and no lock is held, so no order of priorities is in use.
     unsafe {
@@ -140,20 +139,4 @@ async fn planning_task(node: &'static SharedNode) -> ! {
 #[embassy_executor::task]
 async fn storage_task(node: &'static SharedNode, store: Store<Memory>) -> ! {
     storage::run(node, &SIGNALS, store).await
-}
-
-/// As on a real board; with `-no-reboot` QEMU ends, so a test cannot miss it.
-#[panic_handler]
-fn panic(_info: &PanicInfo) -> ! {
-    SCB::sys_reset()
-}
-
-#[exception]
-unsafe fn HardFault(_frame: &ExceptionFrame) -> ! {
-    SCB::sys_reset()
-}
-
-#[exception]
-unsafe fn DefaultHandler(_number: i16) {
-    SCB::sys_reset()
 }

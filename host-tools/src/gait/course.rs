@@ -139,6 +139,11 @@ impl Course {
         &self.quadruped
     }
 
+    /// How long a cycle lasts, in s; none where the robot stands.
+    pub fn period(&self) -> Option<f64> {
+        self.request.gait.map(|gait| gait.period)
+    }
+
     /// The rows, from time 0 on. The first error is the last row.
     ///
     /// # Errors

@@ -9,11 +9,15 @@ use crate::plot::{Axis, Chart, Series, stack};
 /// Points of a curve at most.
 const POINTS: usize = 1_000;
 
-/// Figures in the strip.
-const FIGURES: usize = 6;
+/// Figures in the strip, and how many of them side by side.
+const FIGURES: usize = 8;
+const IN_A_ROW: usize = 4;
 
 /// From figure to figure: so many times the length of the body.
 const SPACING: f64 = 1.8;
+
+/// From row to row: so many times the height of the hips.
+const ROW_SPACING: f64 = 1.4;
 
 /// What is drawn of the joint of a leg.
 type ValueOf = fn(&State, usize, usize) -> f64;
@@ -82,22 +86,26 @@ pub fn svg(course: &Course, title: &str) -> Result<String, GaitError> {
     Ok(stack(&charts)?)
 }
 
-/// The legs from the side at even times. One line goes through a leg down to its foot and back up,
-/// and on to the same leg of the next figure.
+/// Legs, bodies and ground from the side, at even parts of a cycle in the middle of the walk, as one
+/// reads: to the right, then the next row.
 fn strip(course: &Course, states: &[State], title: &str) -> Result<Chart, GaitError> {
-    let words =
-        format!("{title}: {FIGURES} moments of the walk, one beside the other, not to scale");
+    let words = format!("{title}: {FIGURES} moments of a cycle from the right, to scale");
     let mut chart = Chart::new(words, Axis::new("forward", "mm"), Axis::new("up", "mm"));
+    chart.to_scale = true;
     let mounts = &course.quadruped().mounts;
-    let places = mounts.each_ref().map(|mount| mount.leg.place[0]);
-    let length = places.into_iter().fold(0.0, f64::max) - places.into_iter().fold(0.0, f64::min);
-    for (leg, (mount, name)) in mounts.iter().zip(LEG_NAMES).enumerate() {
-        let mut points = Vec::new();
-        for figure in 0..FIGURES {
-            let last = states.len().saturating_sub(1);
-            let Some(state) = states.get(last * figure / (FIGURES - 1)) else {
-                continue;
-            };
+    let hips = mounts.each_ref().map(|mount| mount.leg.place);
+    let farthest = hips.iter().map(|hip| hip[0].abs()).fold(0.0, f64::max);
+    let moments = moments(course, states);
+    let highest = moments.iter().flat_map(|state| &state.feet);
+    let highest = highest.map(|foot| -foot.position[2]).fold(0.0, f64::max);
+    for (figure, state) in moments.into_iter().enumerate() {
+        let right = SPACING * 2.0 * farthest * (figure % IN_A_ROW) as f64;
+        let down = ROW_SPACING * highest * (figure / IN_A_ROW) as f64;
+        let line = |points: &mut dyn Iterator<Item = [f64; 3]>| {
+            let points = points.map(|[x, _, z]| (1e3 * (x + right), 1e3 * (z - down)));
+            points.collect::<Vec<_>>()
+        };
+        for (leg, (mount, name)) in mounts.iter().zip(LEG_NAMES).enumerate() {
             let limb = mount
                 .limb(state.joints[leg].position)
                 .map_err(|cause| GaitError::Leg {
@@ -105,12 +113,34 @@ fn strip(course: &Course, states: &[State], title: &str) -> Result<Chart, GaitEr
                     time: state.time,
                     cause,
                 })?;
-            let ahead = SPACING * length * figure as f64;
-            let down = limb.iter().map(|[x, _, z]| (1e3 * (x + ahead), 1e3 * z));
-            points.extend(down.clone());
-            points.extend(down.rev());
+            let points = line(&mut limb.into_iter());
+            chart.series.push(Series::line(name, points));
         }
-        chart.series.push(Series::line(name, points));
+        let body = line(&mut hips.into_iter());
+        chart.series.push(Series::line("body", body));
+        // The lowest foot is where the ground is.
+        let lowest = mounts.iter().zip(&state.feet);
+        let lowest = lowest.map(|(mount, foot)| mount.leg.place[2] + foot.position[2]);
+        let lowest = lowest.fold(f64::INFINITY, f64::min);
+        let side = 0.5 * SPACING * 2.0 * farthest;
+        let ground = line(&mut [[-side, 0.0, lowest], [side, 0.0, lowest]].into_iter());
+        chart.series.push(Series::line("ground", ground));
     }
     Ok(chart)
+}
+
+/// A cycle in the middle of the walk, at even parts of it; of a robot that stands, its first moment.
+fn moments<'a>(course: &Course, states: &'a [State]) -> Vec<&'a State> {
+    let Some(period) = course.period() else {
+        return states.first().into_iter().collect();
+    };
+    let last = states.last().map_or(0.0, |state| state.time);
+    let begin = 0.5 * (last - period).max(0.0);
+    (0..FIGURES)
+        .filter_map(|figure| {
+            let time = begin + period * figure as f64 / FIGURES as f64;
+            let after = states.partition_point(|state| state.time < time);
+            states.get(after).or(states.last())
+        })
+        .collect()
 }

@@ -225,7 +225,7 @@ impl Chart {
 impl View {
     /// The same, or more of the plane, so that a unit is as long to the right as it is upwards in a
     /// picture that is `aspect` times as wide as it is high.
-    pub(super) fn to_scale(self, aspect: f64) -> Self {
+    pub(super) fn scaled(self, aspect: f64) -> Self {
         let (width, height) = (self.x.1 - self.x.0, self.y.1 - self.y.0);
         Self {
             x: widened(self.x, height * aspect),
@@ -285,7 +285,7 @@ mod tests {
     fn a_picture_of_things_in_space_is_to_scale() {
         let wide = chart(&[(0.0, 0.0), (8.0, 1.0)]);
         for aspect in [0.5, 2.0, 20.0] {
-            let View { x, y, .. } = wide.view().to_scale(aspect);
+            let View { x, y, .. } = wide.view().scaled(aspect);
             assert!(x.0 <= 0.0 && 8.0 <= x.1 && y.0 <= 0.0 && 1.0 <= y.1);
             assert!(((x.1 - x.0) / (y.1 - y.0) / aspect - 1.0).abs() < 1e-12);
         }

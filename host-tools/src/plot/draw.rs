@@ -144,7 +144,7 @@ impl Chart {
         let (width, height) = (size.width, size.height);
         let inside = size.inside();
         let view = if self.to_scale {
-            view.to_scale(f64::from(inside.0) / f64::from(inside.1))
+            view.scaled(f64::from(inside.0) / f64::from(inside.1))
         } else {
             view
         };

@@ -9,7 +9,7 @@ mod model;
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use canter_shared::drive::{Condition, Drive, DriveCommand, DriveReport};
+use canter_shared::drive::{Condition, Drive, DriveCommand, DriveReport, Trouble};
 use canter_shared::time::Tick;
 use canter_shared::units::{COUNTS_PER_RADIAN, Position, Velocity};
 
@@ -218,7 +218,7 @@ impl Plant {
         self.report.condition = if silent {
             Condition::Lost
         } else if faulted {
-            Condition::Faulted
+            Condition::Faulted(Trouble::Other)
         } else if self.is_following() {
             Condition::Enabled
         } else {

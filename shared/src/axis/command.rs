@@ -348,9 +348,12 @@ impl Axis {
                 State::Fault => {
                     self.fault = None;
                     self.request = None;
+                    self.wants_reset = true;
                     // From there it goes on by itself once the drive is there and well.
                     self.enter(State::NotReadyToSwitchOn);
                 }
+                // A drive may have had its fault before anybody enabled it.
+                State::NotReadyToSwitchOn => self.wants_reset = true,
                 _ => {}
             },
             // That one has been taken care of: its answer comes later.

@@ -30,13 +30,7 @@ impl Fault {
             Some(Parameter::FollowingReaction) => reactions.following,
             Some(Parameter::BusReaction) => reactions.bus,
             // A drive that no longer follows cannot be led to rest.
-            _ if matches!(
-                self,
-                Self::DriveLost | Self::DriveFault | Self::EnableTimeout
-            ) =>
-            {
-                Reaction::Disable
-            }
+            _ if self.is_of_drive() => Reaction::Disable,
             _ => Reaction::ControlledStop,
         }
     }

@@ -97,7 +97,8 @@ impl Axis {
             Some(Condition::Enabled) => return false,
             Some(Condition::Disabled) if enabling => return false,
             None | Some(Condition::Lost) => Fault::DriveLost,
-            Some(Condition::Disabled | Condition::Faulted) => Fault::DriveFault,
+            Some(Condition::Disabled) => Fault::DriveFault,
+            Some(Condition::Faulted(trouble)) => trouble.into(),
         };
         self.raise(fault);
         true

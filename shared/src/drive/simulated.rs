@@ -30,6 +30,13 @@ impl Simulated {
     }
 }
 
+impl Simulated {
+    /// The axis is so much further along from now on, though nothing has moved: its zero is elsewhere.
+    pub(super) fn shift(&mut self, by: Position) {
+        self.position = self.position + by;
+    }
+}
+
 impl Drive for Simulated {
     fn command(&mut self, _tick: Tick, command: DriveCommand) {
         if !command.enable {

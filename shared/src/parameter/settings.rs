@@ -1,5 +1,6 @@
 //! What the parameters mean: the one place where raw values become limits, times and reactions.
 
+use super::drive;
 use super::table::Parameter;
 use super::values::{ParameterError, Values};
 use crate::limits::{LimitValues, Limits};
@@ -39,6 +40,8 @@ pub struct Reactions {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// What the axis may do.
+    ///
+    /// Its travel is that of the parameters, or as much of it as the drive can be told.
     pub limits: Limits,
     /// Silence of the holding session after which the axis stops.
     pub host_timeout: Ticks,
@@ -52,8 +55,6 @@ pub struct Settings {
     pub overspeed: Option<Velocity>,
     /// What the setpoints are shaped for, if anything.
     pub shaping: Option<Shaping>,
-    /// The id of the drive on its bus.
-    pub drive_node: u8,
     /// Ticks between two feedback frames.
     pub feedback_period: Ticks,
     /// Ticks between two heartbeats.
@@ -72,6 +73,7 @@ impl Settings {
     pub(super) fn of(values: &Values, changed: Parameter) -> Result<Self, ParameterError> {
         let limits = limits_of(values, changed)?;
         let shaping = shaping_of(values, changed)?;
+        drive::node_fits(values, changed)?;
         Ok(Self::assemble(values, limits, shaping))
     }
 
@@ -93,6 +95,15 @@ impl Settings {
             Parameter::ShaperKind | Parameter::ShaperFrequency | Parameter::ShaperDamping => {
                 shaping = shaping_of(values, changed)?;
             }
+            Parameter::DriveKind | Parameter::DriveNode | Parameter::MitMaster => {
+                limits = limits_of(values, changed)?;
+                drive::node_fits(values, changed)?;
+            }
+            Parameter::GearRatio
+            | Parameter::DriveOffset
+            | Parameter::MitModel
+            | Parameter::MitPosition
+            | Parameter::DriveIncrements => limits = limits_of(values, changed)?,
             _ => {}
         }
         Ok(Self::assemble(values, limits, shaping))
@@ -123,7 +134,6 @@ impl Settings {
             overspeed: watched(Parameter::OverspeedMargin)
                 .map(|margin| limits.velocity() + Velocity::from_counts(margin)),
             shaping,
-            drive_node: values.get(Parameter::DriveNode) as u8,
             feedback_period: ticks(Parameter::FeedbackPeriod),
             heartbeat_period: ticks(Parameter::HeartbeatPeriod),
         }
@@ -136,13 +146,21 @@ fn in_unit(values: &Values, parameter: Parameter) -> f64 {
 
 fn limits_of(values: &Values, changed: Parameter) -> Result<Limits, ParameterError> {
     let number = |parameter| in_unit(values, parameter);
+    let (mut least, mut greatest) = (
+        number(Parameter::PositionMinimum),
+        number(Parameter::PositionMaximum),
+    );
+    // Where the drive cannot be told to go the axis does not go either.
+    if let Some((from, to)) = drive::reach(values) {
+        (least, greatest) = (least.max(from), greatest.min(to));
+    }
     Limits::new(&LimitValues {
         velocity: number(Parameter::VelocityLimit),
         acceleration: number(Parameter::AccelerationLimit),
         deceleration: number(Parameter::DecelerationLimit),
         jerk: number(Parameter::JerkLimit),
-        position_minimum: number(Parameter::PositionMinimum),
-        position_maximum: number(Parameter::PositionMaximum),
+        position_minimum: least,
+        position_maximum: greatest,
     })
     // Each is in its range, so only the travel's ends can be the wrong way round.
     .map_err(|_| ParameterError::Contradiction {

@@ -1,5 +1,6 @@
 //! The table of parameters. A new one is a line here, and one in `settings` that gives it meaning.
 
+use crate::drive::mit::{DEFAULT_MODEL, KD_RANGE, KP_RANGE, MODELS};
 use crate::limits::{
     DEFAULT_VALUES, FARTHEST_POSITION, LARGEST_ACCELERATION, LARGEST_JERK, LARGEST_VELOCITY,
     SMALLEST_RATE,
@@ -199,6 +200,57 @@ parameters! {
     HeartbeatPeriod = 19, "heartbeat.period", number(MILLI), "s",
         raw(0.01, MILLI), raw(0.2, MILLI), Default::Raw(raw(0.1, MILLI)), AtRest,
         "how often the axis reports its state";
+    GearRatio = 20, "drive.gear_ratio", number(NANO), "",
+        raw(0.001, NANO), raw(1_000.0, NANO), Default::Raw(NANO), Disabled,
+        "turns of the drive's shaft in one of the axis; 1 where the drive counts behind its own gear";
+    DriveDirection = 21, "drive.direction", Kind::Choice(&["forward", "reverse"]), "", 0, 1,
+        Default::Raw(0), Disabled,
+        "whether drive and axis turn the same way";
+    DriveOffset = 22, "drive.offset", number(NANO), "rad",
+        bound(-FARTHEST_POSITION, NANO), bound(FARTHEST_POSITION, NANO), Default::Raw(0), Disabled,
+        "where the axis is when the drive reads zero";
+    DriveInertia = 23, "drive.inertia", number(NANO), "kg m^2",
+        0, raw(100.0, NANO), Default::Raw(0), Disabled,
+        "what the drive accelerates, at the axis's shaft: the feed-forward of torque; 0 gives none";
+    DriveTimeout = 24, "drive.timeout", number(MILLI), "s",
+        // Shorter than the period at which a drive speaks by default would lose every one.
+        raw(0.02, MILLI), raw(1.0, MILLI), Default::Raw(raw(0.05, MILLI)), Disabled,
+        "silence of the drive after which it is lost";
+    DrivePeriod = 25, "drive.period", number(MILLI), "s",
+        raw(0.001, MILLI), raw(0.02, MILLI), Default::Raw(raw(0.001, MILLI)), Disabled,
+        "how often the drive gets a setpoint";
+    OdriveFirmware = 26, "drive.odrive_firmware", Kind::Choice(&["0.6", "0.5"]), "", 0, 1,
+        Default::Raw(0), Disabled,
+        "which generation of firmware an ODrive has";
+    MitModel = 27, "drive.mit_model", Kind::Choice(MODELS), "", 0, MODELS.len() as i64 - 1,
+        Default::Raw(DEFAULT_MODEL), Disabled,
+        "whose ranges a drive in mini-cheetah mode has; custom takes the three that follow";
+    MitPosition = 28, "drive.mit_position", number(MICRO), "rad",
+        raw(0.1, MICRO), raw(1_000.0, MICRO), Default::Raw(raw(12.5, MICRO)), Disabled,
+        "the end of a custom drive's range of position";
+    MitVelocity = 29, "drive.mit_velocity", number(MICRO), "rad/s",
+        raw(0.1, MICRO), raw(1_000.0, MICRO), Default::Raw(raw(50.0, MICRO)), Disabled,
+        "the end of a custom drive's range of velocity";
+    MitTorque = 30, "drive.mit_torque", number(MICRO), "Nm",
+        raw(0.1, MICRO), raw(1_000.0, MICRO), Default::Raw(raw(18.0, MICRO)), Disabled,
+        "the end of a custom drive's range of torque";
+    MitKp = 31, "drive.mit_kp", number(MICRO), "Nm/rad",
+        0, raw(KP_RANGE as f64, MICRO), Default::Raw(raw(50.0, MICRO)), Disabled,
+        "how stiffly a drive in mini-cheetah mode holds its position";
+    MitKd = 32, "drive.mit_kd", number(MICRO), "Nm s/rad",
+        0, raw(KD_RANGE as f64, MICRO), Default::Raw(raw(1.0, MICRO)), Disabled,
+        "how strongly it damps";
+    MitMaster = 33, "drive.mit_master", number(1), "",
+        0, 0x7FF, Default::Raw(0), Disabled,
+        "the id that a bgkatz board answers to";
+    DriveIncrements = 34, "drive.increments", number(1), "",
+        // Encoders of up to 26 bits.
+        1, 1 << 26, Default::Raw(1 << 16), Disabled,
+        "increments in one turn of a CiA 402 drive's shaft";
+    // The last one, so that a store that is read in order finds all else of the drive in place.
+    DriveKind = 35, "drive.kind", Kind::Choice(&["simulated", "odrive", "mit", "cia402"]), "", 0, 3,
+        Default::Raw(0), Disabled,
+        "which language the axis's drive speaks";
 }
 
 impl Parameter {

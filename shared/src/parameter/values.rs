@@ -6,6 +6,7 @@ use crate::limits::Limits;
 use crate::motion::shaping::{ShaperKind, Shaping, ShapingError};
 use crate::units::COUNTS_PER_RADIAN;
 use core::fmt;
+use core::ops::Range;
 
 /// Why a value is refused. Nothing has changed then.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,17 +71,37 @@ pub(super) fn from_bytes(bytes: [u8; RAW_BYTES]) -> i64 {
     i64::from_le_bytes([0, 0, a, b, c, d, e, f]) >> 16
 }
 
+/// Where each parameter's bytes begin in [`Values`]: as many as hold its range, from the least value on.
+const PLACES: [u8; Parameter::COUNT + 1] = {
+    let mut places = [0; Parameter::COUNT + 1];
+    let mut index = 0;
+    while index < Parameter::COUNT {
+        let (minimum, maximum) = Parameter::ALL[index].range();
+        let mut bytes = 1;
+        while (maximum - minimum) >> (8 * bytes) > 0 {
+            bytes += 1;
+        }
+        places[index + 1] = places[index] + bytes;
+        index += 1;
+    }
+    places
+};
+
 /// One raw value for each parameter. Each is in its range, and together they make [`Settings`].
 ///
-/// In 6 bytes each: an axis keeps those that hold and those that are saved, and memory is short.
+/// Packed: an axis keeps those that hold and those that are saved, and memory is short.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Values([[u8; RAW_BYTES]; Parameter::COUNT]);
+pub struct Values([u8; PLACES[Parameter::COUNT] as usize]);
 
 impl Values {
     /// The defaults for the axis of this id.
     #[inline(never)]
     pub fn defaults(axis: u8) -> Self {
-        Self(Parameter::ALL.map(|parameter| to_bytes(parameter.default_raw(axis))))
+        let mut values = Self([0; _]);
+        for parameter in Parameter::ALL {
+            values.put(parameter, parameter.default_raw(axis));
+        }
+        values
     }
 
     /// The defaults for the axis of this id but for the limits: these, or inside of them by less
@@ -110,14 +131,20 @@ impl Values {
 
     /// The raw value of a parameter.
     pub fn get(&self, parameter: Parameter) -> i64 {
-        // As many places as parameters: there is always one.
-        let bytes = self.0.get(usize::from(u8::from(parameter)));
-        bytes.copied().map(from_bytes).unwrap_or_default()
+        let bytes = self.0.get(bytes_of(parameter)).unwrap_or_default();
+        let above = bytes
+            .iter()
+            .rev()
+            .fold(0, |value, byte| value << 8 | i64::from(*byte));
+        above + parameter.range().0
     }
 
+    /// `raw` is in the parameter's range.
     fn put(&mut self, parameter: Parameter, raw: i64) {
-        if let Some(bytes) = self.0.get_mut(usize::from(u8::from(parameter))) {
-            *bytes = to_bytes(raw);
+        let above = raw.saturating_sub(parameter.range().0).to_le_bytes();
+        let bytes = self.0.get_mut(bytes_of(parameter)).unwrap_or_default();
+        for (byte, from) in bytes.iter_mut().zip(above) {
+            *byte = from;
         }
     }
 
@@ -192,6 +219,13 @@ impl Values {
         )?;
         Ok(changed)
     }
+}
+
+/// Where a parameter's bytes are.
+fn bytes_of(parameter: Parameter) -> Range<usize> {
+    let place = |index: usize| usize::from(PLACES.get(index).copied().unwrap_or(0));
+    let index = usize::from(u8::from(parameter));
+    place(index)..place(index + 1)
 }
 
 /// The most steps of a parameter in rad that are not above `counts`, as limits count them.

@@ -25,15 +25,21 @@ pub enum Board {
     Emulated = 2,
     /// ST's Nucleo board with an STM32G474RE.
     NucleoG474re = 16,
+    /// ST's Nucleo board with an STM32F446RE.
+    NucleoF446re = 17,
+    /// ST's Nucleo board with an STM32H743ZI, in its second form.
+    NucleoH743zi2 = 18,
 }
 
 impl Board {
     /// Every board, in the order of their codes.
-    pub const ALL: [Self; 4] = [
+    pub const ALL: [Self; 6] = [
         Self::Simulated,
         Self::Host,
         Self::Emulated,
         Self::NucleoG474re,
+        Self::NucleoF446re,
+        Self::NucleoH743zi2,
     ];
 
     /// The board's name.
@@ -43,6 +49,8 @@ impl Board {
             Self::Host => "host",
             Self::Emulated => "emulated",
             Self::NucleoG474re => "nucleo-g474re",
+            Self::NucleoF446re => "nucleo-f446re",
+            Self::NucleoH743zi2 => "nucleo-h743zi2",
         }
     }
 }

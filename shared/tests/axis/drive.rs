@@ -4,8 +4,8 @@ use super::bench::{Bench, beta, travel, turns};
 use canter_shared::axis::Outcome;
 use canter_shared::axis::fault::Fault;
 use canter_shared::axis::state::State;
-use canter_shared::drive::Condition;
 use canter_shared::drive::simulated::Simulated;
+use canter_shared::drive::{Condition, Trouble};
 use canter_shared::limits::{DEFAULT_VALUES, LimitValues, Limits};
 use canter_shared::parameter::Parameter;
 use canter_shared::wire::command::{Action, Command};
@@ -24,7 +24,7 @@ fn runs_without_torque(bench: &mut Bench, ticks: u64) {
 
 #[test]
 fn a_drive_that_is_not_well_is_not_enabled() {
-    for condition in [Condition::Lost, Condition::Faulted] {
+    for condition in [Condition::Lost, Condition::Faulted(Trouble::Other)] {
         let mut bench = Bench::new(Limits::default(), 3.0);
         bench.condition = Some(condition);
         runs_without_torque(&mut bench, 5);
@@ -57,7 +57,7 @@ fn a_drive_that_says_nothing_is_not_enabled() {
 
 #[test]
 fn a_drive_that_gets_lost_before_it_is_told_to_enable_is_not_enabled() {
-    for condition in [Condition::Lost, Condition::Faulted] {
+    for condition in [Condition::Lost, Condition::Faulted(Trouble::Other)] {
         let mut bench = Bench::new(Limits::default(), 3.0);
         bench.run(5);
         assert_eq!(bench.control(Action::Hold), Outcome::Accepted);
@@ -114,7 +114,7 @@ fn a_drive_that_drops_out_ends_everything_at_once() {
     ] {
         for (condition, fault) in [
             (Condition::Disabled, Fault::DriveFault),
-            (Condition::Faulted, Fault::DriveFault),
+            (Condition::Faulted(Trouble::Other), Fault::DriveFault),
             (Condition::Lost, Fault::DriveLost),
         ] {
             let mut bench = in_motion(state);

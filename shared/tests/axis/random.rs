@@ -9,8 +9,8 @@ use super::reaction::{mend, trouble};
 use canter_shared::axis::Outcome;
 use canter_shared::axis::fault::Fault;
 use canter_shared::axis::state::State;
-use canter_shared::drive::Condition;
 use canter_shared::drive::simulated::Simulated;
+use canter_shared::drive::{Condition, Trouble};
 use canter_shared::limits::{LimitValues, Limits};
 use canter_shared::motion::beta::Beta;
 use canter_shared::parameter::{Parameter, Reaction};
@@ -149,7 +149,7 @@ fn condition() -> impl Strategy<Value = Option<Condition>> {
         1 => Just(Some(Condition::Lost)),
         1 => Just(Some(Condition::Disabled)),
         1 => Just(Some(Condition::Enabled)),
-        1 => Just(Some(Condition::Faulted)),
+        1 => Just(Some(Condition::Faulted(Trouble::Other))),
     ]
 }
 

@@ -6,7 +6,7 @@ use super::planner::{Planner, answers};
 use canter_shared::axis::Outcome;
 use canter_shared::axis::fault::Fault;
 use canter_shared::axis::state::State;
-use canter_shared::drive::Condition;
+use canter_shared::drive::{Condition, Trouble};
 use canter_shared::limits::Limits;
 use canter_shared::parameter::{Parameter, Reaction};
 use canter_shared::time::Ticks;
@@ -41,7 +41,6 @@ pub fn trouble(bench: &mut Bench, fault: Fault) {
         }
         Fault::HostTimeout => bench.beats = false,
         Fault::DriveLost => bench.condition = Some(Condition::Lost),
-        Fault::DriveFault => bench.condition = Some(Condition::Faulted),
         Fault::FollowingError => bench.shift = turns(0.25),
         Fault::OutsideTravel => bench.shift = turns(1_005.0),
         Fault::Overspeed => bench.rush = Velocity::from_radians(50.0).expect("in range"),
@@ -58,7 +57,16 @@ pub fn trouble(bench: &mut Bench, fault: Fault) {
             assert_eq!(bench.handle(&report.encode(AXIS)), Outcome::Ignored);
         }
         Fault::ParametersLost => bench.axis.lose_parameters(),
-        Fault::EnableTimeout | Fault::StreamUnderrun => panic!("{fault:?} is tested elsewhere"),
+        Fault::EnableTimeout
+        | Fault::StreamUnderrun
+        | Fault::NodePanic
+        | Fault::NodeHardFault
+        | Fault::WatchdogReset => panic!("{fault:?} is tested elsewhere"),
+        of_drive => {
+            let mut troubles = Trouble::ALL.into_iter();
+            let trouble = troubles.find(|trouble| Fault::from(*trouble) == of_drive);
+            bench.condition = Some(Condition::Faulted(trouble.expect("a drive's own")));
+        }
     }
 }
 

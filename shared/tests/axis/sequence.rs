@@ -3,7 +3,7 @@
 use super::bench::{Answer, Bench, beta, control};
 use canter_shared::axis::Outcome;
 use canter_shared::axis::state::State;
-use canter_shared::drive::Condition;
+use canter_shared::drive::{Condition, Trouble};
 use canter_shared::limits::Limits;
 use canter_shared::wire::command::{Action, Command};
 use canter_shared::wire::id::Function;
@@ -76,7 +76,7 @@ fn a_refused_move_is_refused_again_though_the_axis_is_enabled_meanwhile() {
 #[test]
 fn a_refused_enable_is_refused_again_though_the_drive_is_well_meanwhile() {
     let mut bench = Bench::new(Limits::default(), 0.0);
-    bench.condition = Some(Condition::Faulted);
+    bench.condition = Some(Condition::Faulted(Trouble::Other));
     bench.run(5);
     assert_eq!(bench.send(control(1, Action::Hold)), Outcome::Accepted);
     assert_eq!(

@@ -134,7 +134,7 @@ fn knots_are_refused_with_a_reason_and_change_nothing() {
     // As many as it holds, and how long to wait for one more.
     let (mut bench, _) = Bench::streaming(Limits::default(), 1.5, 2.0, 1);
     let mut full = None;
-    let held = LOOK_AHEAD as u32;
+    let held = LOOK_AHEAD as u8;
     for number in 6..held + 3 {
         let (position, velocity) = quintic(1.5, 2.0, f64::from(number) * 0.02);
         match bench.send(knot(number, position, velocity)) {

@@ -1,6 +1,6 @@
 //! What is watched about the drive and the bus, and where the line is.
 
-use super::bench::{AXIS, Bench, travel, turns};
+use super::bench::{AXIS, Bench, control, travel, turns};
 use super::node_bench::NodeBench;
 use canter_shared::axis::Outcome;
 use canter_shared::axis::fault::Fault;
@@ -8,6 +8,7 @@ use canter_shared::axis::state::State;
 use canter_shared::drive::Condition;
 use canter_shared::drive::simulated::Simulated;
 use canter_shared::limits::Limits;
+use canter_shared::node::restart::Restart;
 use canter_shared::node::{Board, BusEvent, Identity, Node};
 use canter_shared::parameter::Parameter;
 use canter_shared::time::{BusTime, LocalTime};
@@ -296,6 +297,32 @@ fn off_the_bus_is_a_fault_of_all_axes_of_a_node_and_other_errors_are_not() {
     assert!(node.axes().all(|axis| axis.fault().is_none()));
     node.count(BusEvent::BusOff);
     assert!(node.axes().all(|axis| axis.fault() == Some(Fault::BusOff)));
+}
+
+#[test]
+fn a_node_that_began_anew_says_why_until_somebody_clears_it() {
+    for (restart, fault) in [
+        (Restart::Panic, Fault::NodePanic),
+        (Restart::HardFault, Fault::NodeHardFault),
+        (Restart::Watchdog, Fault::WatchdogReset),
+    ] {
+        let mut bench = NodeBench::new(Simulated::new(Position::ZERO));
+        bench.node.restart_after(restart);
+        bench.run(5_000);
+        let latched = |bench: &NodeBench<_>| bench.axis().fault();
+        assert_eq!(latched(&bench), Some(fault));
+        // It must not move before somebody has seen it.
+        bench.hold_and_enable();
+        bench.run(100_000);
+        assert_eq!(latched(&bench), Some(fault));
+        assert_eq!(bench.axis().state(), State::Fault);
+        bench.send(control(3, Action::Clear));
+        bench.run(5_000);
+        assert_eq!(latched(&bench), None);
+        bench.send(control(4, Action::Enable));
+        bench.run(20_000);
+        assert_eq!(bench.axis().state(), State::OperationEnabled);
+    }
 }
 
 #[test]

@@ -70,7 +70,7 @@ fn an_erased_flash_is_no_loss() {
 
 #[test]
 fn what_does_not_fit_is_refused_and_what_was_there_stays() {
-    let page = 512;
+    let page = SLOT;
     let mut small = Store::new(saved(1), START, page);
     assert_eq!(small.load(), Loaded::Image(image(0)));
     let many: Image<4> = (1..=4)

@@ -1,10 +1,13 @@
-//! One cycle of a trot planned for every joint at 1 kHz, against the same formulas in numpy.
+//! One cycle of a trot planned for every joint at 1 kHz, against the same formulas in numpy; and what
+//! a trot takes of a bus.
 
 use crate::python::Python;
 use crate::rounds::{Contestant, median, race};
+use canter::demo::perform;
 use canter::gait::{Body, Gait, Kind, Planner, Quadruped, State};
 use canter::leg::Leg;
 use canter::robot::Robot;
+use canter::sim::Configuration;
 use canter_tests::measurement;
 use std::fmt::Write;
 
@@ -59,6 +62,26 @@ pub fn run() -> bool {
         measurement("bench", &format!("{what}, {}", one.name), &value, &bound);
     }
     agree(&states, &python.numbers())
+}
+
+/// What the demonstration's trot takes of the bus, and how far it is from the ideal; gives whether
+/// there was one.
+pub fn trot_on_a_bus() -> bool {
+    let robot = Robot::default();
+    let performance = perform(&robot, &Configuration::of(&robot), |_| {}).expect("it performs");
+    let Some(walk) = performance.measure(&robot).walk else {
+        return false;
+    };
+    let what = "trot of 12 axes, 2.5 Hz, 0.5 m/s";
+    let note = |what: &str, value: f64, most: f64, unit: &str| {
+        let missed = if value > most { " MISSED" } else { "" };
+        let value = format!("{value:.1} {unit}{missed}");
+        measurement("bench", what, &value, &format!("at most {most} {unit}"));
+    };
+    note(&format!("{what}: bus load"), 100.0 * walk.load, 40.0, "%");
+    let deviation = format!("{what}: setpoints from the ideal");
+    note(&deviation, 1e6 * walk.deviation, 50.0, "urad");
+    true
 }
 
 fn trot(quadruped: &Quadruped, gait: &Gait) -> Planner {

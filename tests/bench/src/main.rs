@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `beta` | the beta S-curve against s-curve-beta |
 //! | `s_curve` | the time-optimal s-curve against Ruckig |
-//! | `gait` | a cycle of a trot against numpy |
+//! | `gait` | a cycle of a trot against numpy, and a trot on a bus |
 //! | `moves` | what is calculated |
 //! | `rounds` | timing in turns, medians, ratios |
 //! | `python` | a script that computes the same |
@@ -30,6 +30,7 @@ fn main() -> ExitCode {
     let results = [
         beta::run(),
         gait::run(),
+        gait::trot_on_a_bus(),
         s_curve::run("from rest", &moves::from_rest(MOVES, SEED)),
         s_curve::run("retarget", &moves::retargets(MOVES, SEED)),
     ];

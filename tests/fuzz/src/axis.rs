@@ -4,7 +4,7 @@
 use canter_shared::axis::state::State;
 use canter_shared::axis::{FinishedPlan, Plan};
 use canter_shared::drive::simulated::Simulated;
-use canter_shared::drive::{Condition, Drive, DriveCommand, DriveReport};
+use canter_shared::drive::{Condition, Drive, DriveCommand, DriveReport, Trouble};
 use canter_shared::limits::{DEFAULT_VALUES, LimitValues, Limits};
 use canter_shared::motion::Setpoint;
 use canter_shared::node::{Board, Identity, Node};
@@ -254,7 +254,7 @@ impl Bench {
             0 => Some(Condition::Lost),
             1 => Some(Condition::Disabled),
             2 => Some(Condition::Enabled),
-            3 => Some(Condition::Faulted),
+            3 => Some(Condition::Faulted(Trouble::Other)),
             _ => None,
         };
         self.claims[usize::from(index) % AXES].set(condition);

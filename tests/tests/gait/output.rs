@@ -112,7 +112,7 @@ fn the_picture_has_feet_axes_and_figures() {
         "feet as the hips see them",
         "feet above the ground",
         "acceleration",
-        "moments of the walk",
+        "moments of a cycle",
         "axis 12",
     ] {
         assert!(svg.contains(words), "{words}");
@@ -134,7 +134,7 @@ fn the_list_names_every_gait() {
 fn refusals_say_what_to_do() {
     for (arguments, status, words) in [
         ("plan trot --vx 0.5 --period 0.3", 1, "longer period"),
-        ("plan trot --vx 2", 1, "too far from the hip"),
+        ("plan trot --vx 2 --period 1.2", 1, "too far from the hip"),
         ("plan trot --vx nan", 2, "vx"),
         ("plan trot --vx inf", 2, "vx"),
         ("plan trot --period 1e9", 2, "the period"),

@@ -249,3 +249,27 @@ fn a_host_that_is_held_up_for_a_second_finds_its_axes_stopped_together() {
         "<= 200 ms",
     );
 }
+
+/// As an ordinary process, without any priority: knots leave 100 ms before they are due.
+#[test]
+fn a_minute_of_trot_never_runs_dry() {
+    let robot = Robot::of_axes(BUS, "1-12");
+    let words = "gait run trot --vx 0.5 --duration 60 --enable --json";
+    let mut host = Process::spawn(&mut robot.command(words));
+    host.wait_for("walk", |line| line.text.ends_with(" s: walks"));
+    let begun = now_in_ticks();
+    for seconds in [20, 40, 60] {
+        let is_over = |_: &Report| now_in_ticks() >= begun + seconds * 1_000;
+        robot.wait_for("time to pass", axis(1), is_over);
+    }
+    let walked = host.finish().success().json();
+    assert!(walked["duration"].as_f64().expect("seconds") > 60.0);
+    let axes = walked["axes"].as_array().expect("a list");
+    let missing = axes.iter().map(|axis| axis["missing_knots"].as_u64());
+    let missing: u64 = missing.map(|knots| knots.expect("a number")).sum();
+    let status = status(&robot);
+    assert!(status.iter().all(|axis| axis["fault"] == Value::Null));
+    assert_eq!(missing, 0, "{walked}");
+    let (knots, bound) = (format!("{missing} of 12 x 6000"), "0");
+    measurement("vcan", "60 s of trot: knots missing", &knots, bound);
+}

@@ -1,5 +1,6 @@
 //! The command line's shape.
 
+mod drive;
 mod foot;
 mod gait;
 mod leg;
@@ -7,6 +8,7 @@ mod param;
 mod path;
 mod profile;
 
+pub use drive::{Drive, DriveKindArgument};
 pub use foot::{Foot, FootFormat};
 pub use gait::{GaitAction, GaitArguments, GaitFormat, GaitPlan, GaitRun};
 pub use leg::{LegAction, LegArguments};
@@ -65,6 +67,8 @@ pub enum Verb {
     Demo(Demo),
     /// Run axis nodes on a bus, in real time, from the firmware's own core.
     Node(Node),
+    /// Run models of servo drives on a bus, in real time, to try nodes on.
+    Drive(Drive),
     /// Find the nodes on the bus, and give their axes other ids.
     Scan(Scan),
     /// Print the state of every axis on the bus.
@@ -79,6 +83,8 @@ pub enum Verb {
     Stop(Axes),
     /// Emergency stop: come to rest and latch a fault.
     Estop(Axes),
+    /// Make where disabled axes are their zero, or any other position.
+    Zero(Zero),
     /// Move axes, together.
     Move(Move),
     /// Read and change what is set about the axes: limits, time-outs, reactions.
@@ -159,9 +165,12 @@ pub struct Node {
     /// The axes to run: 1-12 or 1,2,5.
     #[arg(long, value_name = "LIST", value_parser = axes)]
     pub axes: AxisVector,
-    /// The drive behind each axis.
-    #[arg(long, value_enum, default_value_t = DriveKind::Simulated)]
-    pub drive: DriveKind,
+    /// The drive behind each axis: the parameter drive.kind of all of them, which is simulated without it.
+    #[arg(long, value_enum)]
+    pub drive: Option<DriveKindArgument>,
+    /// The bus of the drives, which is not the one of --can: ids would collide.
+    #[arg(long, value_name = "BUS")]
+    pub drive_can: Option<BusAddress>,
     /// Keep the parameters and the axes' ids here over an end of the process; made where it is
     /// missing. What it keeps goes before the robot file.
     #[arg(long, value_name = "FILE")]
@@ -214,17 +223,24 @@ fn assignment(text: &str) -> Result<Assignment, String> {
     })
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-pub enum DriveKind {
-    /// No drive: setpoints are followed in the process.
-    Simulated,
-}
-
 #[derive(Args)]
 pub struct Axes {
     /// The axes: 1-12, 1,2,5 or all.
     #[arg(value_name = "AXES")]
     pub axes: AxisList,
+}
+
+#[derive(Args)]
+pub struct Zero {
+    /// The axes: 1-12, 1,2,5 or all.
+    #[arg(value_name = "AXES")]
+    pub axes: AxisList,
+    /// What their position shall read there.
+    #[arg(long, value_name = "ANGLE", value_parser = angle, allow_hyphen_values = true, default_value = "0")]
+    pub at: f64,
+    /// Keep it over a reset, with all else that was changed since the last time.
+    #[arg(long)]
+    pub save: bool,
 }
 
 #[derive(Args)]

@@ -2,6 +2,7 @@
 
 mod compare;
 mod demo;
+mod drive;
 mod foot;
 mod gait;
 mod leg;
@@ -16,6 +17,7 @@ mod soak;
 mod status;
 mod stop;
 mod tools;
+mod zero;
 
 use crate::arguments::{Arguments, Verb};
 use crate::context::Context;
@@ -28,6 +30,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     match arguments.verb {
         Verb::Demo(demo) => demo::run(&context, &demo),
         Verb::Node(node) => node::run(&context, &node),
+        Verb::Drive(drive) => drive::run(&context, &drive),
         Verb::Scan(arguments) => scan::run(&context, &arguments),
         Verb::Param(arguments) => param::run(&context, &arguments),
         Verb::Status => status::run(&context),
@@ -36,6 +39,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         Verb::Clear(list) => power::run(&context, power::Change::Clear, &list.axes),
         Verb::Stop(list) => stop::run(&context, &list.axes),
         Verb::Estop(list) => stop::emergency(&context, &list.axes),
+        Verb::Zero(request) => zero::run(&context, &request),
         Verb::Move(request) => r#move::run(&context, &request),
         Verb::Plan(request) => plan::run(&context, &request),
         Verb::Path(request) => path::run(&context, &request),

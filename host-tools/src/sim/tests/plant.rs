@@ -1,6 +1,6 @@
 use std::f64::consts::TAU;
 
-use canter_shared::drive::{Condition, DriveCommand};
+use canter_shared::drive::{Condition, DriveCommand, Trouble};
 use canter_shared::limits::{DEFAULT_VALUES, LimitValues, Limits};
 use canter_shared::motion::beta::Beta;
 use canter_shared::motion::trapezoid::Trapezoid;
@@ -39,6 +39,7 @@ fn quickest(profile: Profile, angle: f64, limits: &Limits) -> Vec<Setpoint> {
 
 fn command(setpoint: &Setpoint, enable: bool) -> DriveCommand {
     DriveCommand {
+        reset: false,
         enable,
         position: setpoint.position,
         velocity: setpoint.velocity,
@@ -171,7 +172,7 @@ fn troubles_let_go_and_pass() {
     let (_, model) = fitting(DEFAULT_VALUES);
     let still = command(&Setpoint::default(), true);
     for (trouble, condition) in [
-        (DriveTrouble::Fault, Condition::Faulted),
+        (DriveTrouble::Fault, Condition::Faulted(Trouble::Other)),
         (DriveTrouble::Silence, Condition::Lost),
         (DriveTrouble::Disable, Condition::Disabled),
         (DriveTrouble::Blocked, Condition::Enabled),
