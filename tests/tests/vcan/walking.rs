@@ -10,7 +10,7 @@ use canter_shared::limits::Limits;
 use canter_shared::wire::report::Report;
 use canter_tests::measurement;
 use canter_tests::process::Process;
-use canter_tests::trace::{Row, Trace};
+use canter_tests::trace::Trace;
 use serde_json::Value;
 
 const BUS: &str = "vcan10";
@@ -20,7 +20,7 @@ const BUS: &str = "vcan10";
 const JERK: f64 = 5.0 * 20_000.0;
 
 /// A walk that only its end ends.
-const WALK: &str = "gait run trot --vx 0.3 --duration 60 --enable";
+const WALK: &str = "gait run trot --vx 0.3 --yaw-rate 20deg --duration 60 --enable";
 
 /// Starts a walk, and waits until it has gone some steps.
 #[track_caller]
@@ -35,13 +35,17 @@ fn walking(robot: &Robot) -> Process {
     host
 }
 
-/// The first tick from which on all rows rest, after `since`.
+/// For how many ms after `since` an axis moved on.
 #[track_caller]
-fn rests_from(rows: &[Row], since: u64) -> u64 {
+fn moved_on(trace: &Trace, id: u8, since: u64) -> u64 {
+    let rows = trace.axis(id);
     let moving = rows.iter().rev().find(|row| row.velocity != 0.0);
     let last = moving.expect("it moved").tick;
-    assert!(last < rows.last().expect("rows").tick, "it moves still");
-    (last + 1).max(since)
+    assert!(
+        last < rows.last().expect("rows").tick,
+        "axis {id} moves still"
+    );
+    (last + 1).saturating_sub(since)
 }
 
 #[track_caller]
@@ -50,11 +54,11 @@ fn status(robot: &Robot) -> Vec<Value> {
     status["axes"].as_array().expect("a list").clone()
 }
 
-/// When a fault first makes an axis stop.
-fn reaction(trace: &Trace, id: u8) -> u64 {
-    let rows = trace.axis(id).iter();
-    let mut reacting = rows.filter(|row| row.state == "fault reaction active");
-    reacting.next().expect("a reaction").tick
+/// When an axis first has a fault.
+fn faulted_at(trace: &Trace, id: u8) -> u64 {
+    let mut rows = trace.axis(id).iter();
+    let faulted = rows.find(|row| row.state.starts_with("fault"));
+    faulted.expect("a fault").tick
 }
 
 #[test]
@@ -169,7 +173,7 @@ fn a_node_that_dies_stops_all_the_others() {
     }
     let trace = robot.finish();
     trace.keeps(&Limits::default(), JERK);
-    let rests = (1..=9).map(|id| rests_from(trace.axis(id), killed) - killed);
+    let rests = (1..=9).map(|id| moved_on(&trace, id, killed));
     let slowest = rests.max().expect("nine axes");
     // The time-out after which the axes miss their host.
     assert!(slowest <= 250, "{slowest} ms");
@@ -192,11 +196,16 @@ fn a_host_that_is_killed_leaves_all_axes_at_rest_with_faults() {
         robot.wait_for("fault", axis(id), is_faulted);
     }
     for axis in status(&robot) {
-        assert_eq!(axis["fault"], "stream_underrun", "{axis}");
+        // One that just rests at a knot needs no more of them, and misses its host instead.
+        let fault = axis["fault"].as_str();
+        assert!(
+            matches!(fault, Some("stream_underrun" | "host_timeout")),
+            "{axis}"
+        );
     }
     let trace = robot.finish();
     trace.keeps(&Limits::default(), JERK);
-    let rests = (1..=12).map(|id| rests_from(trace.axis(id), killed) - killed);
+    let rests = (1..=12).map(|id| moved_on(&trace, id, killed));
     let slowest = rests.max().expect("twelve axes");
     // A time-out of 250 ms, and 125 ms to stop from full speed.
     assert!(slowest <= 375, "{slowest} ms");
@@ -223,13 +232,13 @@ fn a_host_that_is_held_up_for_a_second_finds_its_axes_stopped_together() {
     host.signal("CONT");
     let finished = host.finish();
     assert_eq!(finished.status.code(), Some(1), "{finished:#?}");
-    assert!(finished.stderr.contains("stream_underrun"), "{finished:#?}");
+    assert!(finished.stderr.contains(" has the fault "), "{finished:#?}");
     let trace = robot.finish();
     trace.keeps(&Limits::default(), JERK);
-    let stops: Vec<u64> = (1..=12).map(|id| reaction(&trace, id)).collect();
+    let stops: Vec<u64> = (1..=12).map(|id| faulted_at(&trace, id)).collect();
     let (first, last) = stops.iter().min().zip(stops.iter().max()).expect("twelve");
     assert!(last - first <= 200, "{stops:?}");
-    let rests = (1..=12).map(|id| rests_from(trace.axis(id), held) - held);
+    let rests = (1..=12).map(|id| moved_on(&trace, id, held));
     let slowest = rests.max().expect("twelve axes");
     assert!(slowest <= 375, "{slowest} ms");
     let apart = format!("{} ms", last - first);
