@@ -165,6 +165,30 @@ fn four_axes_leave_the_processor_to_others() {
     assert_eq!(results["traffic.refused"], 0);
 }
 
+/// Four axes that never rest, each with a link to a real drive: the ticks, what they send at each, and what
+/// the drives answer. What the hosts' bus adds is measured above.
+#[test]
+fn four_axes_with_drives_leave_the_processor_to_others() {
+    const CLOCK: f64 = 170e6;
+    let results = run("measure_drive");
+    for kind in ["odrive", "mit", "cia402"] {
+        let whole = results[&format!("drive.{kind}.whole.mean")];
+        let share = whole as f64 * 1_000.0 / CLOCK;
+        measurement(
+            "target",
+            &format!("four axes with {kind}, of 170 MHz"),
+            &format!("{:.2} % ({whole} instructions in 1 ms)", 100.0 * share),
+            "<= 5 %",
+        );
+        assert!(share <= 0.05, "{kind}: {results:?}");
+        assert!(
+            results[&format!("drive.{kind}.moving")] >= 3_990,
+            "{results:?}"
+        );
+    }
+    bytes(&results, "drive.bytes", 208);
+}
+
 #[test]
 fn host_and_device_produce_the_same_bits() {
     let device = run("digest");

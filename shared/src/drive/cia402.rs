@@ -16,7 +16,6 @@ use super::scale::Scale;
 use super::settings::DriveSettings;
 use super::{Condition, Drive, DriveCommand, DriveReport, Trouble};
 use crate::time::{TICKS_PER_SECOND, Tick};
-use crate::units::Velocity;
 use crate::wire::frame::Frame;
 use objects::{
     BOOT_UP, EMCY, HEARTBEAT, NMT, NMT_PRE_OPERATIONAL, NMT_START, OPERATIONAL, RPDO1, SDO_ABORT,
@@ -34,8 +33,8 @@ const SDO_PATIENCE: u16 = 100;
 /// Ticks after the order to start in which a heartbeat may still tell of the time before: two of them.
 const START_PATIENCE: u16 = 200;
 
-/// The speed is a mean over so many periods, as a power of two: a place is told in whole increments.
-const SPEED_SHIFT: u32 = 2;
+/// What the newest difference of places counts for in the speed: they are whole increments, and coarse.
+const SMOOTHING: f32 = 0.25;
 
 /// How far the drive has come with its set-up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,12 +69,11 @@ pub struct Cia402 {
     /// A trouble that the drive does not hold by itself, kept until the axis has taken its order back.
     trouble: Option<Trouble>,
     statusword: u16,
-    /// Its place in increments, and the difference to the one before in 2^-8, over several periods.
+    /// Its place in increments, and the difference to the one before, over several periods.
     place: i32,
-    moved: i64,
-    velocity: Velocity,
-    /// Periods in a second, in 2^-16.
-    rate: i64,
+    moved: f32,
+    /// Turns/s of its shaft for an increment in a period.
+    speed: f32,
     /// Ticks since the drive was started.
     running: u16,
     /// Ticks since the last place, and whether there was one since the drive runs.
@@ -105,9 +103,8 @@ impl Cia402 {
             trouble: None,
             statusword: 0,
             place: 0,
-            moved: 0,
-            velocity: Velocity::ZERO,
-            rate: ((TICKS_PER_SECOND as i64) << 16) / i64::from(period),
+            moved: 0.0,
+            speed: TICKS_PER_SECOND as f32 / (period as f32 * settings.increments as f32),
             running: 0,
             age: u16::MAX,
             told: false,
@@ -167,15 +164,11 @@ impl Cia402 {
         }
         let place = (word >> 16) as u32 as i32;
         if self.told {
-            // At most 2^28 increments in a period, so that the product below fits.
-            let step = i64::from(place.wrapping_sub(self.place)).clamp(-1 << 28, 1 << 28) << 8;
-            self.moved += (step - self.moved) >> SPEED_SHIFT;
+            let step = place.wrapping_sub(self.place) as f32;
+            self.moved += (step - self.moved) * SMOOTHING;
         } else {
-            self.moved = 0;
+            self.moved = 0.0;
         }
-        let per_second = (self.moved * self.rate) >> 16;
-        let velocity = self.scale.axis_velocity(per_second);
-        self.velocity = Velocity::from_counts(velocity.counts() >> 8);
         self.statusword = word as u16;
         self.place = place;
         self.told = true;
@@ -289,7 +282,7 @@ impl Drive for Cia402 {
         DriveReport {
             condition,
             position: self.scale.axis_position(self.place.into()),
-            velocity: self.velocity,
+            velocity: self.scale.axis_velocity(self.moved * self.speed),
         }
     }
 

@@ -16,12 +16,13 @@ mod packing;
 pub use model::{DEFAULT_MODEL, MODELS, MitRanges, preset};
 pub use packing::{ENTER, EXIT, KD_RANGE, KP_RANGE, Setpoint, ZERO, pack, unpack};
 
-use super::scale::Scale;
+use super::scale::{self, Scale};
 use super::settings::DriveSettings;
 use super::{Condition, Drive, DriveCommand, DriveReport, Trouble};
 use crate::time::Tick;
 use crate::units::{COUNTS_PER_RADIAN, Position, Velocity};
 use crate::wire::frame::Frame;
+use core::f32::consts::TAU;
 
 /// What is special about a drive in this mode.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,6 +36,8 @@ pub struct MitSettings {
     /// The id that a bgkatz board answers to.
     pub master: u16,
 }
+
+const RADIANS_PER_COUNT: f32 = (1.0 / COUNTS_PER_RADIAN) as f32;
 
 /// Ticks between two words to a drive without torque.
 const IDLE_PERIOD: u16 = 10;
@@ -103,11 +106,10 @@ impl Mit {
 
     /// The setpoint for the drive; `None` where its position is outside the drive's range.
     fn setpoint(&self, command: &DriveCommand) -> Option<Setpoint> {
-        let radians = |counts: i64| counts as f32 / COUNTS_PER_RADIAN as f32;
-        let position = radians(self.scale.position(command.position));
+        let position = self.scale.position(command.position) as f32 * RADIANS_PER_COUNT;
         (libm::fabsf(position) <= self.mit.ranges.position).then(|| Setpoint {
             position,
-            velocity: radians(self.scale.velocity(command.velocity)),
+            velocity: TAU * self.scale.velocity(command.velocity),
             kp: self.mit.kp,
             kd: self.mit.kd,
             torque: self.scale.torque(command.acceleration),
@@ -150,11 +152,10 @@ impl Mit {
         let position = u16::from_be_bytes([position_high, position_low]);
         let velocity = u16::from(velocity_high) << 4 | u16::from(low >> 4);
         let ranges = &self.mit.ranges;
-        let counts = |radians: f32| (radians * COUNTS_PER_RADIAN as f32) as i64;
-        let place = counts(unpack(position.into(), ranges.position, 16));
-        self.position = self.scale.axis_position(place);
-        let speed = counts(unpack(velocity.into(), ranges.velocity, 12));
-        self.velocity = self.scale.axis_velocity(speed);
+        let place = unpack(position.into(), ranges.position, 16) * COUNTS_PER_RADIAN as f32;
+        self.position = self.scale.axis_position(scale::whole(place));
+        let speed = unpack(velocity.into(), ranges.velocity, 12);
+        self.velocity = self.scale.axis_velocity(speed / TAU);
         // Byte 7 of a CubeMars drive; an answer of bgkatz has none.
         let error = rest.get(2).copied().unwrap_or(0);
         if error != 0 {

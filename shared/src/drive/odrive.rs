@@ -11,7 +11,7 @@
 
 mod errors;
 
-use super::scale::Scale;
+use super::scale::{self, Scale};
 use super::settings::{DriveSettings, OdriveFirmware};
 use super::{Condition, Drive, DriveCommand, DriveReport};
 use crate::time::Tick;
@@ -140,31 +140,22 @@ impl Odrive {
 
     fn hear_estimates(&mut self, word: u64) {
         self.estimate_age = 0;
-        let counts = |bits: u32| {
-            let turns = f32::from_bits(bits);
-            // What is no number is no place: the axis finds that nothing can carry it.
-            if turns.is_nan() {
-                i64::MAX
-            } else {
-                (turns * COUNTS_PER_TURN as f32) as i64
-            }
-        };
-        self.position = self.scale.axis_position(counts(word as u32));
-        self.velocity = self.scale.axis_velocity(counts((word >> 32) as u32));
+        let turns = |bits: u64| f32::from_bits(bits as u32);
+        // What is no number is no place: the axis finds that nothing can carry it.
+        let place = scale::whole(turns(word) * COUNTS_PER_TURN as f32);
+        self.position = self.scale.axis_position(place);
+        self.velocity = self.scale.axis_velocity(turns(word >> 32));
     }
 
     /// Position f32 in turns, velocity i16 and torque i16 in thousandths of a turn/s and of a Nm. An f32
     /// resolves 2^-24 of the position: 61 microturns at 1000 turns.
     fn encode(&self, command: &DriveCommand) -> u64 {
         let turns = self.scale.position(command.position) as f32 / COUNTS_PER_TURN as f32;
-        // Beyond the greatest i16 the feed-forward is the greatest; clamped first, so that it fits 64 bits.
-        let most = 33 * COUNTS_PER_TURN;
-        let velocity = self.scale.velocity(command.velocity).clamp(-most, most);
-        let half = COUNTS_PER_TURN / 2;
-        let velocity = ((velocity * 1_000 + half) >> 32).clamp(i16::MIN.into(), i16::MAX.into());
+        // Beyond the greatest i16 the feed-forward is the greatest.
+        let velocity = libm::roundf(1_000.0 * self.scale.velocity(command.velocity)) as i16;
         let torque = libm::roundf(1_000.0 * self.scale.torque(command.acceleration)) as i16;
         u64::from(turns.to_bits())
-            | u64::from(velocity as i16 as u16) << 32
+            | u64::from(velocity as u16) << 32
             | u64::from(torque as u16) << 48
     }
 

@@ -66,14 +66,33 @@ impl Ratio {
     }
 }
 
-/// How the drive's shaft goes with the axis's.
+/// Bits that a rate gives away so that an i32 holds all there are: then a processor with an f32 unit is done
+/// with it in a few instructions. The f32 keeps 24 of them, and no drive is told as many.
+const VELOCITY_BITS: u32 = 13;
+const ACCELERATION_BITS: u32 = 20;
+
+const _: () = assert!(Velocity::LIMIT >> VELOCITY_BITS < i32::MAX as i64);
+const _: () = assert!(Acceleration::LIMIT >> ACCELERATION_BITS < i32::MAX as i64);
+
+/// A rate's upper bits; what is beyond every limit is cut.
+fn upper(counts: i64, bits: u32) -> f32 {
+    let upper = (counts >> bits).clamp(i32::MIN.into(), i32::MAX.into());
+    upper as i32 as f32
+}
+
+/// How the drive's shaft goes with the axis's. Places are exact, rates are good to 2^-19 turn/s or 2^-24 of
+/// themselves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scale {
     to_drive: Ratio,
     to_axis: Ratio,
     reversed: bool,
     offset: Position,
-    /// Nm at the drive's shaft for an acceleration of one count/s^2 of the axis.
+    /// Turns/s of the drive for the upper bits of a velocity of the axis.
+    velocity: f32,
+    /// Counts/s of the axis for a turn/s of the drive.
+    axis_velocity: f32,
+    /// Nm at the drive's shaft for the upper bits of an acceleration of the axis.
     torque: f32,
 }
 
@@ -87,14 +106,19 @@ impl Scale {
     pub fn new(gear: u64, units: u64, reversed: bool, offset: Position, inertia: f32) -> Self {
         let drive = u128::from(gear) * u128::from(units);
         let axis = u128::from(UNIT_GEAR) * COUNTS_PER_TURN as u128;
-        let gear = gear as f64 / UNIT_GEAR as f64;
-        let torque = f64::from(inertia) * TAU / COUNTS_PER_TURN as f64 / gear;
+        let direction = if reversed { -1.0 } else { 1.0 };
+        let gear = direction * gear as f64 / UNIT_GEAR as f64;
+        let turn = COUNTS_PER_TURN as f64;
+        let velocity = gear * f64::from(1 << VELOCITY_BITS) / turn;
+        let radians = f64::from(1 << ACCELERATION_BITS) * TAU / turn;
         Self {
             to_drive: Ratio::new(drive, axis),
             to_axis: Ratio::new(axis, drive),
             reversed,
             offset,
-            torque: torque as f32,
+            velocity: velocity as f32,
+            axis_velocity: (turn / gear) as f32,
+            torque: (f64::from(inertia) * radians / gear) as f32,
         }
     }
 
@@ -108,19 +132,19 @@ impl Scale {
         Position::from_counts(self.directed(self.to_axis.of(drive))) + self.offset
     }
 
-    /// A velocity of the axis in the drive's units a second.
-    pub fn velocity(&self, axis: Velocity) -> i64 {
-        self.directed(self.to_drive.of(axis.counts()))
+    /// A velocity of the axis in turns/s of the drive's shaft.
+    pub fn velocity(&self, axis: Velocity) -> f32 {
+        self.velocity * upper(axis.counts(), VELOCITY_BITS)
     }
 
-    /// A velocity of the drive on the axis.
-    pub fn axis_velocity(&self, drive: i64) -> Velocity {
-        Velocity::from_counts(self.directed(self.to_axis.of(drive)))
+    /// A velocity of the drive's shaft, in turns/s, on the axis.
+    pub fn axis_velocity(&self, drive: f32) -> Velocity {
+        Velocity::from_counts(whole(self.axis_velocity * drive))
     }
 
     /// What an acceleration of the axis takes at the drive's shaft, in Nm.
     pub fn torque(&self, axis: Acceleration) -> f32 {
-        self.torque * self.directed(axis.counts()) as f32
+        self.torque * upper(axis.counts(), ACCELERATION_BITS)
     }
 
     fn directed(&self, value: i64) -> i64 {
@@ -130,6 +154,22 @@ impl Scale {
             value
         }
     }
+}
+
+/// The whole part of a number: at the ends where it does not fit, and at the greater one where it is none, so
+/// that nobody takes it for a place.
+pub(super) fn whole(number: f32) -> i64 {
+    // By its bits: a processor with an f32 unit has no instruction for 64 bits, and its library is slow.
+    let bits = number.to_bits();
+    let mantissa = i64::from(bits & 0x7F_FFFF | 0x80_0000);
+    let shift = (bits >> 23 & 0xFF) as i32 - 127 - 23;
+    let size = match shift {
+        40.. => i64::MAX,
+        0.. => mantissa << shift,
+        -23.. => mantissa >> -shift,
+        _ => 0,
+    };
+    if number < 0.0 { -size } else { size }
 }
 
 #[cfg(test)]
@@ -164,8 +204,8 @@ mod tests {
         assert_eq!(scale.position(there), -2 * 65_536);
         assert_eq!(scale.axis_position(-2 * 65_536), there);
         assert_eq!(scale.axis_position(0), offset);
-        assert_eq!(scale.velocity(Velocity::from_counts(TURN)), -131_072);
-        assert_eq!(scale.axis_velocity(-131_072).counts(), TURN);
+        assert_eq!(scale.velocity(Velocity::from_counts(TURN)), -2.0);
+        assert_eq!(scale.axis_velocity(-2.0).counts(), TURN);
     }
 
     #[test]
@@ -173,12 +213,9 @@ mod tests {
         let scale = Scale::new(5 * UNIT_GEAR, 1 << 32, false, Position::ZERO, 0.02);
         let acceleration = Acceleration::from_radians(100.0).expect("in range");
         // 0.02 kg m^2 * 100 rad/s^2 / 5.
-        assert!((scale.torque(acceleration) - 0.4).abs() < 1e-6);
-        let reversed = Scale {
-            reversed: true,
-            ..scale
-        };
-        assert!((reversed.torque(acceleration) + 0.4).abs() < 1e-6);
+        assert!((scale.torque(acceleration) - 0.4).abs() < 1e-5);
+        let reversed = Scale::new(5 * UNIT_GEAR, 1 << 32, true, Position::ZERO, 0.02);
+        assert!((reversed.torque(acceleration) + 0.4).abs() < 1e-5);
     }
 
     #[test]
@@ -196,7 +233,27 @@ mod tests {
         assert_eq!(small.axis_position(i64::MIN).counts(), -1);
     }
 
+    #[test]
+    fn rates_reach_from_the_least_to_the_limit() {
+        let scale = scale(UNIT_GEAR, 1 << 32);
+        for turns in [2.0f32.powi(-19), 1.0, 3.5, 2_048.0, -2_048.0] {
+            let velocity = Velocity::from_counts((f64::from(turns) * TURN as f64) as i64);
+            assert_eq!(scale.velocity(velocity), turns);
+            assert_eq!(scale.axis_velocity(turns), velocity);
+        }
+        assert!(scale.velocity(Velocity::from_counts(i64::MIN)) < -2_048.0);
+    }
+
     proptest! {
+        #[test]
+        fn the_whole_part_is_the_language_s_own(bits: u32) {
+            let number = f32::from_bits(bits);
+            let wanted = if number.is_nan() { i64::MAX } else { number as i64 };
+            // The least number of 64 bits is one farther than the greatest.
+            prop_assert_eq!(whole(number).abs(), wanted.saturating_abs());
+            prop_assert!(number.is_nan() || whole(number).signum() == wanted.signum());
+        }
+
         /// Against the same in 128 bits with a real division.
         #[test]
         fn a_place_is_the_nearest_of_the_exact_one(

@@ -80,8 +80,8 @@ fn both_kinds_of_answers_are_taken_and_nobody_elses() {
 fn a_setpoint_is_packed_with_gains_and_feed_forward() {
     let mut bench = enabled(&[(Parameter::DriveInertia, 0.1)]);
     let tau = std::f64::consts::TAU;
-    // 1 rad: 35388 = 0x8A3C; 10 rad/s: 60 * 4095 / 100 = 2457 = 0x999; 30 rad/s^2: 3 Nm, 0x954.
-    bench.lead(1.0 / tau, 10.0 / tau, 30.0 / tau);
+    // 1 rad: 35388 = 0x8A3C; 10.01 rad/s: 60.01 * 4095 / 100 = 2457.4: 0x999; 30 rad/s^2: 3 Nm, 0x954.
+    bench.lead(1.0 / tau, 10.01 / tau, 30.0 / tau);
     assert_eq!(texts(&bench.step()), ["005#8A3C999199333954"]);
 }
 

@@ -31,12 +31,17 @@ struct Driven {
     node: Process,
     drives: Process,
     trace: PathBuf,
-    _directory: tempfile::TempDir,
+    directory: tempfile::TempDir,
 }
 
 impl Driven {
     /// Starts both; `drives` is the kind and what is special about it.
-    fn start([bus, drive_bus]: [&'static str; 2], drives: &str) -> Self {
+    fn start(buses: [&'static str; 2], drives: &str) -> Self {
+        Self::with_period(buses, drives, 0.005)
+    }
+
+    /// The same, with another period of setpoints.
+    fn with_period([bus, drive_bus]: [&'static str; 2], drives: &str, period: f64) -> Self {
         let directory = tempfile::tempdir().expect("a directory for the trace");
         let trace = directory.path().join("trace.csv");
         let kind = drives.split(' ').next().expect("a kind");
@@ -54,21 +59,21 @@ impl Driven {
             node,
             drives: drive_process,
             trace,
-            _directory: directory,
+            directory,
         };
         // What a drive is, is set while the node runs. A machine that is busy elsewhere is no lost drive, nor
-        // one that does not follow: it would be told of many ticks at once.
+        // one that does not follow: it would be told of many ticks at once. And it has less to do.
         let firmware = if drives.contains("0.5") { "0.5" } else { "0.6" };
-        for setting in [
-            format!("drive.odrive_firmware {firmware}"),
-            "drive.timeout 0.5".to_owned(),
-            "overspeed.margin 0".to_owned(),
-            "following.error 0".to_owned(),
-        ] {
-            driven
-                .run(&format!("param set {setting} --axis 1-3"))
-                .success();
-        }
+        let section = |axis| {
+            format!(
+                "[axis.{axis}]\ndrive.odrive_firmware = \"{firmware}\"\ndrive.timeout = 0.5\n\
+                 drive.period = {period}\noverspeed.margin = 0\nfollowing.error = 0\n"
+            )
+        };
+        let file = driven.directory.path().join("parameters.toml");
+        std::fs::write(&file, (1..=3).map(section).collect::<String>()).expect("a file");
+        let import = format!("param import {}", file.display());
+        driven.run(&import).success();
         driven
     }
 
@@ -203,7 +208,8 @@ fn drives_are_started_in_the_order_that_their_documents_ask_for() {
     ] {
         let mut candump = Candump::start_for("vcan15", &[&[0x000, 0x080], &ids[..]].concat());
         // Half a turn: 0x3F000000, 41002 of 65535 in 25 rad, 32768 increments.
-        let driven = Driven::start(["vcan14", "vcan15"], &format!("{kind} --position 0.5"));
+        let drives = format!("{kind} --position 0.5");
+        let driven = Driven::with_period(["vcan14", "vcan15"], &drives, 0.001);
         driven.enable();
         for text in wanted {
             let is = |frame: &Logged| {
@@ -250,11 +256,8 @@ fn a_drives_fault_is_latched_with_its_meaning_and_cleared() {
 #[test]
 fn a_drive_that_reboots_or_falls_silent_is_lost_and_stays_without_torque() {
     for kind in KINDS {
-        // Faster than the reboot, which takes 0.5 s.
+        // Its reboot takes longer than drive.timeout.
         let mut driven = Driven::start(["vcan18", "vcan19"], &format!("{kind} --reboot-at 1"));
-        driven
-            .run("param set drive.timeout 0.2 --axis 1-3")
-            .success();
         let fault = driven.fault_in_mid_move();
         assert_eq!(fault, "drive_lost", "{kind}");
         driven.drive_says("its power goes and comes");
