@@ -21,22 +21,24 @@
 //! |---|---|
 //! | `assign` | an axis gets another id, by the chip's |
 //! | `bus_off` | when a controller that went off its bus may come back |
+//! | `drives` | the bus of the drives |
 //! | `restart` | why a node had to begin anew |
 //! | `save` | parameters on their way to the store |
 
 mod assign;
 pub mod bus_off;
+mod drives;
 pub mod restart;
 mod save;
 
 use crate::axis::state::State;
 use crate::axis::supervision::sender_of;
 use crate::axis::{Axis, FinishedPlan, Outcome, Plan};
-use crate::drive::{Drive, cia402};
+use crate::drive::Drive;
 use crate::limits::Limits;
 use crate::motion::Setpoint;
 use crate::motion::shaping::{Shaping, ShapingError};
-use crate::parameter::{Change, Parameter, Values};
+use crate::parameter::Values;
 use crate::time::bus_clock::{BusClock, Discipline};
 use crate::time::{BusTime, LocalTime, Tick, Ticks};
 use crate::wire::PROTOCOL_VERSION;
@@ -242,7 +244,7 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
             }
             // The answer is in the axis's queue, or will be; the node has nothing to add to it.
             let outcome = slot.axis.handle_command(bus_time, frame, command);
-            if outcome == Outcome::Accepted && is_about_drive(&command) {
+            if outcome == Outcome::Accepted && drives::is_about_drive(&command) {
                 slot.drive.configure(|| slot.axis.values().drive());
             }
             if address != Address::All {
@@ -371,29 +373,6 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
         })
     }
 
-    /// Takes a frame of the drives' bus.
-    pub fn handle_drive_frame(&mut self, frame: &Frame) {
-        let mut slots = self.slots.iter_mut();
-        slots.any(|slot| slot.drive.receive(frame));
-    }
-
-    /// The next frame for the drives' bus, until there is none: setpoints wait from the tick on.
-    pub fn poll_drive_transmit(&mut self) -> Option<Frame> {
-        let frame = self
-            .slots
-            .iter_mut()
-            .find_map(|slot| slot.drive.poll_transmit());
-        if frame.is_some() {
-            return frame;
-        }
-        // One for all, after the last setpoint.
-        let mut due = false;
-        for slot in &mut self.slots {
-            due |= slot.drive.take_sync();
-        }
-        due.then(cia402::sync)
-    }
-
     /// Counts something that happened on the bus; the heartbeats of all axes tell it. Off the bus
     /// is a fault of each axis too.
     pub fn count(&mut self, event: BusEvent) {
@@ -409,17 +388,6 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
             };
             *counter = counter.wrapping_add(1);
         }
-    }
-}
-
-/// Whether a command may have changed what a link must know of its drive.
-fn is_about_drive(command: &Command) -> bool {
-    match *command {
-        Command::ParameterWrite { parameter, .. } => Parameter::try_from(parameter)
-            // All that is about drives is changed while they are disabled, and nothing else is.
-            .is_ok_and(|parameter| parameter.change() == Change::Disabled),
-        Command::Control { action, .. } => action == Action::Restore,
-        _ => false,
     }
 }
 

@@ -8,4 +8,5 @@ mod drive {
     mod mit;
     mod odrive;
     mod parameters;
+    mod random;
 }

@@ -149,7 +149,10 @@ fn what_is_exported_is_imported() {
     let json = canter(&format!("param import {name} --save --json"));
     let json = json.success().json();
     let changes = json["changes"].as_array().expect("a list");
-    assert_eq!(changes.len(), 3 * 20);
+    assert_eq!(
+        changes.len(),
+        3 * canter_shared::parameter::Parameter::COUNT
+    );
     assert_eq!(changes[0]["value"], 12.5);
 }
 

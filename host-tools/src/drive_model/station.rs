@@ -4,7 +4,7 @@ use super::{Model, Seen};
 use canter_shared::wire::frame::Frame;
 
 /// Ticks that a drive is away when its power goes and comes.
-const AWAY: u32 = 1_500;
+const AWAY: u32 = 2_000;
 
 /// What a drive can get into.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

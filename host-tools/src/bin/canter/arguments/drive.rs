@@ -32,7 +32,7 @@ pub struct Drive {
     /// So long after it was enabled first, its supply is too low, in s.
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub fault_at: Option<f64>,
-    /// ... its power goes, and comes 1.5 s later.
+    /// ... its power goes, and comes 2 s later.
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub reboot_at: Option<f64>,
     /// ... nobody hears it any more.

@@ -1,0 +1,43 @@
+//! The bus of the drives, which is another one than the hosts'.
+
+use super::Node;
+use crate::drive::{Drive, cia402};
+use crate::parameter::{Change, Parameter};
+use crate::wire::command::{Action, Command};
+use crate::wire::frame::Frame;
+
+impl<D: Drive, const AXES: usize> Node<D, AXES> {
+    /// Takes a frame of the drives' bus.
+    pub fn handle_drive_frame(&mut self, frame: &Frame) {
+        let mut slots = self.slots.iter_mut();
+        slots.any(|slot| slot.drive.receive(frame));
+    }
+
+    /// The next frame for the drives' bus, until there is none: setpoints wait from the tick on.
+    pub fn poll_drive_transmit(&mut self) -> Option<Frame> {
+        let frame = self
+            .slots
+            .iter_mut()
+            .find_map(|slot| slot.drive.poll_transmit());
+        if frame.is_some() {
+            return frame;
+        }
+        // One for all, after the last setpoint.
+        let mut due = false;
+        for slot in &mut self.slots {
+            due |= slot.drive.take_sync();
+        }
+        due.then(cia402::sync)
+    }
+}
+
+/// Whether a command may have changed what a link must know of its drive.
+pub(super) fn is_about_drive(command: &Command) -> bool {
+    match *command {
+        Command::ParameterWrite { parameter, .. } => Parameter::try_from(parameter)
+            // All that is about drives is changed while they are disabled, and nothing else is.
+            .is_ok_and(|parameter| parameter.change() == Change::Disabled),
+        Command::Control { action, .. } => action == Action::Restore,
+        _ => false,
+    }
+}
