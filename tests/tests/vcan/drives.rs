@@ -112,6 +112,14 @@ impl Driven {
             .text
     }
 
+    /// Waits until each of the three has said this, in whichever order.
+    #[track_caller]
+    fn all_drives_say(&mut self, words: &str) {
+        for _ in 1..=3 {
+            self.drive_says(words);
+        }
+    }
+
     /// Moves into the trouble of the first drive, and gives the fault that came of it.
     #[track_caller]
     fn fault_in_mid_move(&self) -> String {
@@ -276,11 +284,9 @@ fn a_drive_that_reboots_or_falls_silent_is_lost_and_stays_without_torque() {
 fn drives_that_are_found_enabled_are_disabled_before_anything_else() {
     for kind in KINDS {
         let mut driven = Driven::start(["vcan20", "vcan21"], &format!("{kind} --start-enabled"));
-        for id in 1..=3 {
-            // A drive in mini-cheetah mode that was told nothing yet has no gains: nothing to see.
-            if !kind.starts_with("mit") {
-                driven.drive_says(&format!("drive {id}: disabled"));
-            }
+        // A drive in mini-cheetah mode that was told nothing yet has no gains: nothing to see.
+        if !kind.starts_with("mit") {
+            driven.all_drives_say("disabled");
         }
         driven.enable();
         driven.run("move 1=1turn").success();
@@ -305,9 +311,7 @@ fn drives_whose_node_was_killed_stop_by_their_own_watchdogs() {
         });
         assert!(!driven.trace().axis(1).is_empty());
         driven.node.signal("KILL");
-        for id in 1..=3 {
-            driven.drive_says(&format!("drive {id}: disabled"));
-        }
+        driven.all_drives_say("disabled");
         drop(moving);
         driven.drives.signal("INT");
         driven.drives.finish().success();
