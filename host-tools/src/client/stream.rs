@@ -19,7 +19,7 @@ use super::link::{MILLISECOND, after};
 use super::{Client, ClientError};
 use crate::bus::Bus;
 use canter_shared::motion::stream::LOOK_AHEAD;
-use canter_shared::time::{BusTime, Ticks};
+use canter_shared::time::{BusTime, Tick, Ticks};
 use canter_shared::wire::command::Command;
 use canter_shared::wire::id::AxisId;
 use losses::Losses;
@@ -89,6 +89,8 @@ pub struct StreamEnd {
     pub axis: AxisId,
     /// Where its drive is, in rad.
     pub position: f64,
+    /// The tick that it was told to leave at, as all axes of the stream.
+    pub leaves: Tick,
     /// The start that the axis measured.
     pub start: BusTime,
     /// How much later it measured its start than the earliest axis of the stream.
@@ -289,6 +291,7 @@ impl<B: Bus> Client<B> {
             Ok(StreamEnd {
                 axis: sent.axis,
                 position: position.radians(),
+                leaves: stream.timing.start,
                 start,
                 skew_microseconds: start.0 - earliest.0,
                 missing: sent.missing,

@@ -11,7 +11,7 @@ use crate::bus::Bus;
 use crate::client::{Client, Goal, MoveRequest, Overrides, StreamEnd, StreamKnot, Target};
 use crate::gait::Quadruped;
 use crate::robot::Robot;
-use canter_shared::time::{MICROSECONDS_PER_TICK, Tick};
+use canter_shared::time::Tick;
 use canter_shared::wire::command::ProfileKind;
 
 /// The fastest that axes go to where the motion begins, in rad/s: a leg that touches somebody
@@ -87,10 +87,8 @@ pub fn walk<B: Bus>(
         return Err(error);
     }
     let ends = streamed?;
-    let start = ends.iter().map(|end| end.start.0).min().unwrap_or_default();
     Ok(Walked {
-        // An axis measures its start some microseconds from the tick.
-        start: Tick((start + MICROSECONDS_PER_TICK / 2) / MICROSECONDS_PER_TICK),
+        start: ends.first().map(|end| end.leaves).unwrap_or_default(),
         ends,
         replay: Replay {
             quadruped,

@@ -23,7 +23,7 @@ const fn ranges(position: f32, velocity: f32, torque: f32) -> Option<MitRanges> 
     })
 }
 
-/// Names of the models, in the order of [`PRESETS`].
+/// Names of the models, in the order of their ranges.
 pub const MODELS: &[&str] = &[
     "custom",
     "bgkatz",

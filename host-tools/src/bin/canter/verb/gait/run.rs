@@ -94,6 +94,7 @@ fn tell(
                 "axis": end.axis.get(),
                 "position": end.position,
                 "start_us": end.start.0,
+                "leaves_us": end.leaves.time().0,
                 "skew_us": end.skew_microseconds,
                 "missing_knots": end.missing,
             })
