@@ -65,7 +65,6 @@ fn faulted_at(trace: &Trace, id: u8) -> u64 {
 }
 
 #[test]
-#[ignore = "user-mode Linux is too slow for twelve axes at 100 knots/s: for a kernel with CAN"]
 fn twelve_axes_walk_and_each_tick_is_what_it_was_to_be() {
     let robot = Robot::of_axes(BUS, "1-12");
     let refused = robot.run("gait run trot --vx 0.3");
@@ -126,7 +125,6 @@ fn twelve_axes_walk_and_each_tick_is_what_it_was_to_be() {
 }
 
 #[test]
-#[ignore = "user-mode Linux is too slow for twelve axes at 100 knots/s: for a kernel with CAN"]
 fn an_interrupt_settles_and_sits_and_a_second_one_stops_at_once() {
     let robot = Robot::of_axes(BUS, "1-12");
     let host = walking(&robot);
@@ -161,7 +159,6 @@ fn an_interrupt_settles_and_sits_and_a_second_one_stops_at_once() {
 }
 
 #[test]
-#[ignore = "user-mode Linux is too slow for twelve axes at 100 knots/s: for a kernel with CAN"]
 fn a_node_that_dies_stops_all_the_others() {
     let robot = Robot::of_axes(BUS, "1-9");
     let leg = Robot::of_axes(BUS, "10-12");
@@ -194,7 +191,6 @@ fn a_node_that_dies_stops_all_the_others() {
 }
 
 #[test]
-#[ignore = "user-mode Linux is too slow for twelve axes at 100 knots/s: for a kernel with CAN"]
 fn a_host_that_is_killed_leaves_all_axes_at_rest_with_faults() {
     let robot = Robot::of_axes(BUS, "1-12");
     let host = walking(&robot);
@@ -231,7 +227,6 @@ fn is_faulted(report: &Report) -> bool {
 }
 
 #[test]
-#[ignore = "user-mode Linux is too slow for twelve axes at 100 knots/s: for a kernel with CAN"]
 fn a_host_that_is_held_up_for_a_second_finds_its_axes_stopped_together() {
     let robot = Robot::of_axes(BUS, "1-12");
     let host = walking(&robot);
@@ -261,7 +256,6 @@ fn a_host_that_is_held_up_for_a_second_finds_its_axes_stopped_together() {
 
 /// As an ordinary process, without any priority: knots leave 100 ms before they are due.
 #[test]
-#[ignore = "user-mode Linux is too slow for twelve axes at 100 knots/s: for a kernel with CAN"]
 fn a_minute_of_trot_never_runs_dry() {
     let robot = Robot::of_axes(BUS, "1-12");
     let words = "gait run trot --vx 0.5 --duration 60 --enable --json";
