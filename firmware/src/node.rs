@@ -12,6 +12,7 @@ use canter_shared::wire::id::{AxisId, LAST_AXIS};
 use cortex_m::register::{basepri, basepri_max};
 use embassy_sync::blocking_mutex::Mutex;
 use embassy_sync::blocking_mutex::raw::RawMutex;
+use static_cell::StaticCell;
 
 use crate::priority;
 
@@ -58,39 +59,43 @@ const fn number(text: &str) -> u8 {
 /// never a wrong position: a setpoint is evaluated for its tick, not for the instant of the call.
 pub type SharedNode = Mutex<CeilingMutex, RefCell<Node<DriveLink, AXES>>>;
 
-/// A node with all axes disabled, with the ids, the parameters and the drives that were saved; simulated
-/// drives at position zero where none were. Where nothing was, ids follow [`FIRST_AXIS`]; where it is lost, that is a fault, and
-/// so is that the node began anew by itself.
+/// Makes the node in its place, with all axes disabled, with the ids, the parameters and the drives that
+/// were saved; simulated drives at position zero where none were. Where nothing was, ids follow
+/// [`FIRST_AXIS`]; where it is lost, that is a fault, and so is that the node began anew by itself.
+///
+/// In its place, and with one axis at a time on the stack: an axis has some 7 KiB, and copies of all of
+/// them would be as large as the stack.
 ///
 /// # Panics
 /// Never: the axes fit by count, and no id is taken that another has.
-pub fn new(
+pub fn begin(
+    place: &'static StaticCell<SharedNode>,
     chip: [u8; 12],
     board: Board,
     loaded: &Loaded<AXES>,
     restart: Option<Restart>,
-) -> SharedNode {
-    let mut node = Node::new(Identity {
-        chip,
-        firmware: VERSION,
-        board,
+) -> &'static SharedNode {
+    let shared = place.init_with(|| {
+        Mutex::new(RefCell::new(Node::new(Identity {
+            chip,
+            firmware: VERSION,
+            board,
+        })))
     });
+    let node = shared.get_mut().get_mut();
     let kept = match loaded {
         Loaded::Image(image) => image.as_slice(),
         Loaded::Empty | Loaded::Lost => &[],
     };
     for place in 0..AXES {
-        let (id, values) = match kept.get(place) {
-            Some(stored) => (stored.axis, stored.values),
+        match kept.get(place) {
+            Some(stored) => add(node, stored.axis, &stored.values),
             // An image of an older firmware may have had fewer axes.
             None => {
                 let id = free_id(FIRST_AXIS + place as u8, kept);
-                (id, Values::defaults(id))
+                add(node, id, &Values::defaults(id));
             }
-        };
-        let drive = DriveLink::new(&values.drive());
-        let added = AxisId::new(id).map(|axis| node.add_axis_with_values(axis, &values, drive));
-        assert!(matches!(added, Some(Ok(()))), "an axis was refused");
+        }
     }
     if let Some(restart) = restart {
         node.restart_after(restart);
@@ -98,7 +103,15 @@ pub fn new(
     if *loaded == Loaded::Lost {
         node.lose_parameters();
     }
-    Mutex::new(RefCell::new(node))
+    shared
+}
+
+/// Never inlined: what it takes of the stack is to be given back before the next one.
+#[inline(never)]
+fn add(node: &mut Node<DriveLink, AXES>, id: u8, values: &Values) {
+    let drive = DriveLink::new(&values.drive());
+    let added = AxisId::new(id).map(|axis| node.add_axis_with_values(axis, values, drive));
+    assert!(matches!(added, Some(Ok(()))), "an axis was refused");
 }
 
 /// This id, or the next one that none of those kept has.

@@ -58,7 +58,7 @@ fn main() -> ! {
     let mut store = storage::store(Memory::new(), 0, SLOT);
     let loaded = storage::load(&mut store);
     let restart = crash::take().map(|crash| crash.restart);
-    let node = NODE.init(node::new(CHIP, Board::Emulated, &loaded, restart));
+    let node = node::begin(&NODE, CHIP, Board::Emulated, &loaded, restart);
 
     // SAFETY: no executor runs yet and no lock is held, so no order of priorities is in use.
     unsafe {

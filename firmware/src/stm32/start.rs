@@ -58,7 +58,7 @@ pub fn start(mut parts: Parts) {
     let mut store = storage::store(parts.flash, SLOTS, SLOT);
     let loaded = storage::load(&mut store);
     let chip = embassy_stm32::uid::uid();
-    let node = NODE.init(node::new(chip, parts.board, &loaded, restart));
+    let node = node::begin(&NODE, chip, parts.board, &loaded, restart);
 
     interrupt::UART4.set_priority(level(priority::RECEPTION));
     interrupt::UART5.set_priority(level(priority::CONTROL));
