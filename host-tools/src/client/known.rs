@@ -55,7 +55,7 @@ pub struct KnownAxis {
 
 /// Silence of a stream's axis after which it counts as lost: together with a stop, within the 250 ms after
 /// which the axes miss their host.
-const STREAM_SILENCE: u64 = 180 * MILLISECOND;
+const STREAM_SILENCE: u64 = 120 * MILLISECOND;
 
 /// The same where nobody asked the axis how often it reports, which is every 20 ms as a rule.
 const UNKNOWN_SILENCE: u64 = 500 * MILLISECOND;

@@ -167,10 +167,12 @@ fn a_node_that_dies_stops_all_the_others() {
     leg.kill();
     let finished = host.finish();
     assert_eq!(finished.status.code(), Some(1), "{finished:#?}");
-    assert!(
-        finished.stderr.contains("axis 10 does not answer"),
-        "{finished:#?}"
-    );
+    // Whichever of the leg was heard last: all three fell silent at once.
+    let names_one = |id: u8| {
+        let words = format!("axis {id} does not answer");
+        finished.stderr.contains(&words)
+    };
+    assert!((10..=12).any(names_one), "{finished:#?}");
     for axis in status(&robot) {
         assert_eq!(axis["fault"], Value::Null, "stopped by its host: {axis}");
         assert_eq!(axis["moving"], false, "{axis}");
