@@ -1,6 +1,6 @@
 //! What `canter gait` prints.
 
-use super::canter_gait;
+use super::{canter_gait, refuses};
 use canter_tests::process::Finished;
 
 /// The names of the columns, and the rows.
@@ -157,16 +157,6 @@ fn refusals_say_what_to_do() {
         ("plan stand --vx 0.1", 2, "stand goes nowhere"),
         ("plan canter", 2, "gallop"),
     ] {
-        let finished = canter_gait(arguments);
-        assert_eq!(
-            finished.status.code(),
-            Some(status),
-            "{arguments}: {finished:#?}"
-        );
-        assert!(
-            finished.stderr.contains(words),
-            "{arguments}: {finished:#?}"
-        );
-        assert_eq!(finished.stdout, "", "{arguments}");
+        refuses(arguments, status, words);
     }
 }

@@ -1,6 +1,6 @@
 //! `canter gait run` on the simulated robot.
 
-use super::canter_gait;
+use super::{canter_gait, refuses};
 use canter_tests::process::{Finished, Process};
 use serde_json::Value;
 use std::process::Command;
@@ -136,18 +136,7 @@ fn what_cannot_be_walked_moves_nothing_and_says_what_to_do() {
             "cannot read the orders nowhere.txt",
         ),
     ] {
-        let finished = canter_gait(arguments);
-        assert_eq!(
-            finished.status.code(),
-            Some(status),
-            "{arguments}: {finished:#?}"
-        );
-        assert!(
-            finished.stderr.contains(words),
-            "{arguments}: {finished:#?}"
-        );
-        assert!(!finished.stderr.contains("stands up"), "{arguments}");
-        assert_eq!(finished.stdout, "", "{arguments}");
+        refuses(arguments, status, words);
     }
 }
 
