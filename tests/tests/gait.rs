@@ -21,12 +21,13 @@ mod gait {
     /// Runs `canter gait` with these arguments, which must print nothing on stdout, say these words and
     /// end with this status.
     #[track_caller]
-    fn refuses(arguments: &str, status: i32, words: &str) {
+    fn refuses(arguments: &str, status: i32, words: &str) -> Finished {
         let finished = canter_gait(arguments);
         let code = finished.status.code();
         assert_eq!(code, Some(status), "{arguments}: {finished:#?}");
         let said = finished.stderr.contains(words);
         assert!(said, "{arguments}: {finished:#?}");
         assert_eq!(finished.stdout, "", "{arguments}");
+        finished
     }
 }

@@ -136,7 +136,8 @@ fn what_cannot_be_walked_moves_nothing_and_says_what_to_do() {
             "cannot read the orders nowhere.txt",
         ),
     ] {
-        refuses(arguments, status, words);
+        let refused = refuses(arguments, status, words);
+        assert!(!refused.stderr.contains("stands up"), "{arguments}");
     }
 }
 
