@@ -29,7 +29,7 @@
 //! | `passing` | stops and moves that take over from a stream |
 //! | `beta`, `overlay` | beta moves, and whether two of them laid over each other keep the limits |
 //! | `trapezoid` | trapezoids of whole ticks, and to rest from any velocity |
-//! | `smooth`, `slower`, `change` | s-curves, with a slower cruise, and one ramp of them |
+//! | `smooth`, `way`, `change` | s-curves, how they get to a target, and one ramp of them |
 //! | `chain`, `phase` | pieces of constant jerk |
 //! | `stream` | knots at a fixed period, and the curves between them |
 //! | `shaping` | setpoints that leave a mode of the machine at rest |
@@ -54,13 +54,13 @@ mod retarget;
 pub mod s_curve;
 pub mod segments;
 pub mod shaping;
-mod slower;
 mod smooth;
 mod stop;
 pub mod stream;
 pub mod sync;
 pub mod trajectory;
 pub mod trapezoid;
+mod way;
 
 pub use request::{Move, PlanError, Planned, Profile};
 pub use smooth::shortest_s_curve;

@@ -4,7 +4,6 @@
 //! then inside what a solver accepts, and turning it into counts is exact.
 
 use super::phase::{COEFFICIENT_BITS, FARTHEST, Moment, Phase, Rates, Span};
-use super::s_curve::{Corner, Corners};
 use super::segments::MOST_SEGMENTS;
 use crate::limits::Limits;
 use crate::time::{LONGEST_MOVE, Tick};
@@ -49,29 +48,6 @@ impl Chain {
             rest: from,
             reach: (0, 0),
         }
-    }
-
-    /// Lays the phases between `corners`, in turns from where the chain starts, to rest at `to`.
-    ///
-    /// `None` as [`Self::lay`].
-    pub(crate) fn lay_corners(&mut self, corners: &Corners, to: i64) -> Option<()> {
-        let whole = Moment::from_seconds(corners.duration()).settled();
-        let pieces = corners.corners();
-        // Each piece ends where and how the next one begins, the last one at rest.
-        let begins = |piece: &Corner| {
-            let entry = Rates::new(piece.velocity, piece.acceleration);
-            (Moment::from_seconds(piece.start), entry)
-        };
-        let mut entry = pieces.first().map(begins).unwrap_or_default().1;
-        let follows = pieces.iter().skip(1).map(begins);
-        let follows = follows.chain([(whole, Rates::default())]);
-        let pieces = follows.map(|(ends, exit)| {
-            let piece = Piece { ends, entry, exit };
-            entry = exit;
-            piece
-        });
-        let pieces: Vec<Piece, MOST_SEGMENTS> = pieces.collect();
-        self.lay(&pieces, Some(to))
     }
 
     /// Lays the phases of `pieces` to rest at `to`, or where they lead to, in counts.

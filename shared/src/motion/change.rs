@@ -137,9 +137,38 @@ impl<F: Number> Change<F> {
         }
     }
 
+    /// Takes back a deceleration for so many seconds, and ends with what is left of it.
+    pub(crate) fn releasing(velocity: F, acceleration: F, seconds: F, jerk: F) -> Self {
+        let half = F::from(0.5);
+        let zero = F::default();
+        let gained = seconds * (acceleration + half * jerk * seconds);
+        Self {
+            sign: F::from(1.0),
+            to: velocity + gained,
+            velocity: -gained,
+            acceleration,
+            peak: -(acceleration + jerk * seconds),
+            after_ramp: zero,
+            after_hold: zero,
+            ramp: seconds,
+            hold: zero,
+            release: zero,
+        }
+    }
+
     /// Seconds until the velocity is reached.
     pub(crate) fn duration(&self) -> F {
         self.ramp + self.hold + self.release
+    }
+
+    /// The velocity that is reached.
+    pub(crate) fn to(&self) -> F {
+        self.to
+    }
+
+    /// The acceleration that is reached where that is done by [`Self::releasing`].
+    pub(crate) fn exit(&self) -> F {
+        -self.peak
     }
 
     /// How far it goes until then.

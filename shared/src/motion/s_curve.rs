@@ -18,7 +18,6 @@
 //! | `upward` | the family of quickest motions, and which of them gets there |
 //! | `cases`, `negative` | the members of that family |
 //! | `lobes` | the shape that they have |
-//! | `corners` | what a device lays in integers: the rates where pieces begin |
 //! | `root` | the root of a smooth curve |
 //! | `lasting` | a motion that lasts longer, for axes that arrive together |
 //! | `to_rest` | a start above the velocity limit comes down to it and no further |
@@ -29,7 +28,6 @@
 mod bounds;
 mod brake;
 mod cases;
-mod corners;
 mod lasting;
 mod lobes;
 mod negative;
@@ -39,7 +37,6 @@ mod unit;
 mod upward;
 
 pub use bounds::SignedBounds;
-pub(crate) use corners::{Corner, Corners, plan_corners, to_rest_corners};
 pub use lasting::lasting;
 pub use to_rest::to_rest;
 

@@ -4,9 +4,8 @@ use super::Setpoint;
 use super::bounds::Bounds;
 use super::chain::{Chain, turns};
 use super::change::{Change, Strength};
-use super::s_curve::{self, SignedBounds};
-use super::slower::Way;
 use super::trajectory::Sample;
+use super::way::Way;
 use crate::limits::Limits;
 use crate::time::Ticks;
 use crate::units::Position;
@@ -38,9 +37,22 @@ pub(crate) fn bounds(limits: &Limits) -> Option<Bounds> {
 /// The least duration of an s-curve over `range`; `None` where that is longer than
 /// [`crate::time::LONGEST_MOVE`].
 pub fn shortest_s_curve(range: Position, limits: &Limits) -> Option<Ticks> {
-    let to = Sample::at_rest(turns(range.counts()));
-    let curve = s_curve::plan_corners(Sample::at_rest(0.0), to, &bounds(limits)?).ok()?;
-    whole_ticks(curve.duration())
+    whole_ticks(way_from_rest(range, limits)?.quickest()?.duration())
+}
+
+/// The way from rest over `range`.
+fn way_from_rest(range: Position, limits: &Limits) -> Option<Way> {
+    let bounds = bounds(limits)?;
+    let target = turns(range.counts());
+    let sign = 1.0f64.copysign(target);
+    let rest = Sample::at_rest(0.0);
+    Some(Way::new(
+        &rest,
+        target,
+        sign,
+        bounds.acceleration(),
+        &bounds,
+    ))
 }
 
 /// The ticks that last at least `seconds`, where a tick may miss it by rounding.
@@ -57,18 +69,13 @@ pub(crate) fn from_rest(
     duration: Ticks,
     limits: &Limits,
 ) -> Result<(), Option<Ticks>> {
-    let bounds = bounds(limits).ok_or(None)?;
-    let target = turns(range.counts());
-    let sign = 1.0f64.copysign(target);
-    let rest = Sample::at_rest(0.0);
-    let strong = bounds.acceleration();
-    let way = Way::new(&rest, target, sign, strong, &bounds);
+    let way = way_from_rest(range, limits).ok_or(None)?;
     if let Some(pieces) = way.lasting(duration) {
         return chain.lay(&pieces, Some(to)).ok_or(None);
     }
-    let curve = s_curve::plan_corners(rest, Sample::at_rest(target), &bounds).map_err(|_| None)?;
-    match whole_ticks(curve.duration()) {
-        Some(least) if least <= duration => chain.lay_corners(&curve, to).ok_or(None),
+    let quickest = way.quickest().ok_or(None)?;
+    match whole_ticks(quickest.duration()) {
+        Some(least) if least <= duration => chain.lay(&way.pieces(&quickest), Some(to)).ok_or(None),
         least => Err(least),
     }
 }
@@ -175,30 +182,8 @@ impl Commanded {
         if let Some(pieces) = way.down() {
             return chain.lay(&pieces, Some(to));
         }
-        // Whoever goes the wrong way above the velocity limit turns round anyway: no ramp to the
-        // limit is needed on that side.
-        let velocity = bounds.velocity();
-        let wrong = velocity.max(-sign * from.velocity);
-        let signed = if sign < 0.0 {
-            SignedBounds::new(
-                wrong,
-                -velocity,
-                bounds.deceleration(),
-                -strong,
-                bounds.jerk(),
-            )
-        } else {
-            SignedBounds::new(
-                velocity,
-                -wrong,
-                strong,
-                -bounds.deceleration(),
-                bounds.jerk(),
-            )
-        };
-        let signed = signed.ok()?;
-        let curve = s_curve::to_rest_corners(from, distance, &signed).ok()?;
-        chain.lay_corners(&curve, to)
+        let quickest = way.quickest()?;
+        chain.lay(&way.pieces(&quickest), Some(to))
     }
 
     /// Lays a chain to rest as quickly as the limits allow, with a multiple of the jerk limit; with

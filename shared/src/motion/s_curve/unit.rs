@@ -6,7 +6,6 @@
 
 use super::super::segments::{Builder, MOST_SEGMENTS, Segments};
 use super::super::trajectory::Sample;
-use super::Corners;
 use super::bounds::SignedBounds;
 use heapless::Vec;
 
@@ -216,41 +215,6 @@ impl Pieces {
         builder.end_smoothly(end.position, end.velocity)
     }
 
-    /// Where each of them begins, as [`Self::join`] lays them, but without the places: a device lays
-    /// them in integers, and without an f64 unit each place takes 600 instructions.
-    pub fn corners(&self, start: Sample, end: Sample, jerk: f64) -> Corners {
-        let scale = Scale::new(jerk);
-        let mut corners = Corners::default();
-        let cruise = self.0.iter().position(|piece| piece.cruise.is_some());
-        let (before, after) = self
-            .0
-            .split_at_checked(cruise.map_or(self.0.len(), |cruise| cruise + 1))
-            .unwrap_or((&self.0, &[]));
-        let mut velocity = start.velocity;
-        for piece in before {
-            let duration = piece.duration * scale.slow;
-            let cruise = piece.cruise.map(|velocity| velocity * scale.slow);
-            velocity = cruise.unwrap_or(velocity);
-            let entry = velocity;
-            if cruise.is_none() {
-                velocity = passed(entry, piece.acceleration, piece.jerk * jerk, duration);
-            }
-            corners.add(duration, entry, piece.acceleration);
-        }
-        let mut entries: Vec<f64, MOST_SEGMENTS> = Vec::new();
-        let (mut velocity, mut acceleration) = (end.velocity, 0.0);
-        for piece in after.iter().rev() {
-            let duration = piece.duration * scale.slow;
-            velocity = passed(velocity, acceleration, piece.jerk * jerk, -duration);
-            acceleration = piece.acceleration;
-            let _full = entries.push(velocity);
-        }
-        for (piece, entry) in after.iter().zip(entries.iter().rev()) {
-            corners.add(piece.duration * scale.slow, *entry, piece.acceleration);
-        }
-        corners
-    }
-
     /// Lays them from `start` to wherever they lead with this velocity.
     pub fn lead(&self, start: Sample, velocity: f64, jerk: f64) -> Segments {
         let scale = Scale::new(jerk);
@@ -261,11 +225,6 @@ impl Pieces {
         let position = builder.now().position;
         builder.end_smoothly(position, velocity)
     }
-}
-
-/// The velocity of [`Sample::after`].
-fn passed(velocity: f64, acceleration: f64, jerk: f64, time: f64) -> f64 {
-    velocity + time * (acceleration + time * (jerk / 2.0))
 }
 
 /// From unit-jerk time back to seconds.
