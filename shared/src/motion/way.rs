@@ -135,7 +135,7 @@ mod tests {
         fn the_quickest_is_as_quick_as_the_time_optimal_one(
             part in -1.0..1.0f64,
             acceleration in -1.0..1.0f64,
-            beyond in -7.0..1.0f64,
+            beyond in -6.0..1.0f64,
             limits in [0.5..2.0f64, 5.0..20.0f64, 5.0..20.0f64, 50.0..5000.0f64],
         ) {
             let [fastest, rise, fall, jerk] = limits;
@@ -152,7 +152,7 @@ mod tests {
             let way = Way::new(&from, target, 1.0, rise, &bounds);
             let quickest = way.quickest().expect("a motion");
             let ratio = quickest.duration() / exact.expect("a motion").duration();
-            prop_assert!((ratio - 1.0).abs() < 1e-9, "{ratio} {from:?} {target} {limits:?}");
+            prop_assert!((ratio - 1.0).abs() < 1e-8, "{ratio} {from:?} {target} {limits:?}");
         }
     }
 }

@@ -21,6 +21,9 @@ const STEPS: usize = 20;
 /// down to nothing.
 const MOST_SECANTS: usize = 40;
 
+/// Steps after which a motion that is to the target will do.
+const ENOUGH: usize = 3;
+
 /// How far from the target counts as there: half a count of 2^-32 turn.
 const EXACT: f64 = 0.5 / COUNTS_PER_TURN as f64;
 
@@ -37,14 +40,17 @@ const COARSE: f32 = 0.004;
 /// How near the target is near enough in f32, as a part of the way.
 const NEAR: f32 = 2e-7;
 
+/// How far from the target the ends of a family may seem that do lie on its two sides: a root of what
+/// rounding leaves of nothing is large.
+const CLEARLY: f32 = 1e-3;
+
 /// What is varied until the target is reached.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Family<F> {
+pub(super) enum Family {
     /// The velocity of the cruise.
     Velocity,
-    /// The root of how far the peak velocity is above this one: near it, what is reached grows with that
-    /// root.
-    Above(F),
+    /// How much harder it accelerates, at its peak, than it does already.
+    Harder,
     /// For how long the brake is released before it is applied again.
     Released,
 }
@@ -57,7 +63,7 @@ pub(super) struct Wanted<F> {
     pub target: F,
     /// `None` for as long as it takes without a cruise.
     pub duration: Option<F>,
-    pub family: Family<F>,
+    pub family: Family,
     pub strength: Strength<F>,
 }
 
@@ -83,8 +89,10 @@ impl<F: Number> Wanted<F> {
         let to = |velocity| Change::new(self.velocity, self.acceleration, velocity, &self.strength);
         let (change, velocity, acceleration) = match self.family {
             Family::Velocity => (to(place), place, zero),
-            Family::Above(least) => {
-                let velocity = least + place * place;
+            Family::Harder => {
+                let acceleration = self.accelerating();
+                let more = place * (place + acceleration + acceleration);
+                let velocity = self.released() + more / self.strength.jerk;
                 (to(velocity), velocity, zero)
             }
             Family::Released => {
@@ -114,6 +122,15 @@ impl<F: Number> Wanted<F> {
         let twice = self.strength.jerk + self.strength.jerk;
         self.velocity + self.acceleration * self.acceleration.absolute() / twice
     }
+
+    /// The acceleration, where it is one.
+    fn accelerating(&self) -> F {
+        if self.acceleration > F::default() {
+            self.acceleration
+        } else {
+            F::default()
+        }
+    }
 }
 
 impl Wanted<f64> {
@@ -122,47 +139,48 @@ impl Wanted<f64> {
     pub(super) fn cruising(&self, fastest: f64) -> Option<Tried<f64>> {
         let coarse = self.coarse();
         let fast = coarse.fastest(fastest as f32)?;
-        let found = coarse.between(0.0, fast)?;
+        let found = coarse.between(0.0, fast, 0.0)?;
         // Clearly without a cruise: f64 would not change that.
         if coarse.with(found.place).cruise < -1e-3 * coarse.duration.unwrap_or_default() {
             return None;
         }
-        let tried = self.exactly(0.0, fastest, found, EXACT);
+        let tried = self.exactly(0.0, fastest, found);
         let inside = 0.0 < tried.velocity && 0.0 <= tried.cruise && tried.is_there();
         inside.then_some(tried)
     }
 
     /// The quickest motion that never cruises; `None` where it would be faster than `fastest`.
     pub(super) fn peaking(&self, fastest: f64) -> Option<Tried<f64>> {
-        let least = self.released().max(0.0).min(fastest);
-        let peaking = Self {
-            family: Family::Above(least),
-            ..*self
-        };
-        let exact = EXACT.min(EXACT_PART * self.target);
-        if peaking.with(0.0).beyond <= 0.0 {
-            return peaking.found(0.0, libm::sqrt(fastest - least), exact);
+        let released = self.released();
+        let with = |family| Self { family, ..*self };
+        if released <= 0.0 {
+            return self.found(0.0, fastest);
         }
-        let braking = Self {
-            family: Family::Released,
-            ..*self
-        };
-        braking.found(0.0, -self.acceleration / self.strength.jerk, exact)
+        let harder = with(Family::Harder);
+        if harder.with(0.0).beyond <= 0.0 {
+            let acceleration = self.accelerating();
+            let more = self.strength.jerk * (fastest - released);
+            let most = libm::sqrt((acceleration * acceleration + more).max(0.0)) - acceleration;
+            return harder.found(0.0, most);
+        }
+        with(Family::Released).found(0.0, -self.acceleration / self.strength.jerk)
     }
 
-    /// The member between two places that is within `exact` of the target.
-    fn found(&self, low: f64, high: f64, exact: f64) -> Option<Tried<f64>> {
-        let found = self.coarse().between(low as f32, high as f32)?;
-        Some(self.exactly(low, high, found, exact)).filter(Tried::is_there)
+    /// The member between two places that gets to the target.
+    fn found(&self, low: f64, high: f64) -> Option<Tried<f64>> {
+        let found = self.coarse().between(low as f32, high as f32, CLEARLY)?;
+        Some(self.exactly(low, high, found)).filter(Tried::is_there)
     }
 
     /// From near the target to it: a secant, inside a bracket that gets narrower.
-    fn exactly(&self, low: f64, high: f64, near: Near, exact: f64) -> Tried<f64> {
+    fn exactly(&self, low: f64, high: f64, near: Near) -> Tried<f64> {
         let (mut low, mut high) = (low, high);
         let mut tried = self.with(f64::from(near.place));
+        let scale = self.target.abs() + (self.target + tried.beyond).abs();
+        let exact = EXACT.min(EXACT_PART * scale);
         let mut next = tried.place - tried.beyond / f64::from(near.slope);
-        for _ in 0..MOST_SECANTS {
-            if tried.beyond.abs() <= exact {
+        for step in 0..MOST_SECANTS {
+            if tried.beyond.abs() <= exact || step >= ENOUGH && tried.is_there() {
                 break;
             }
             if tried.beyond > 0.0 {
@@ -187,11 +205,7 @@ impl Wanted<f64> {
             acceleration: self.acceleration as f32,
             target: self.target as f32,
             duration: self.duration.map(|duration| duration as f32),
-            family: match self.family {
-                Family::Velocity => Family::Velocity,
-                Family::Above(least) => Family::Above(least as f32),
-                Family::Released => Family::Released,
-            },
+            family: self.family,
             strength: Strength {
                 rise: self.strength.rise as f32,
                 fall: self.strength.fall as f32,
@@ -237,24 +251,23 @@ impl Wanted<f32> {
         Some(fast)
     }
 
-    /// The member between two places that gets to the target; `None` where that is not between them.
-    fn between(&self, low: f32, high: f32) -> Option<Near> {
+    /// The member between two places that gets to the target; `None` where that is not between them, by
+    /// more than this part of the way.
+    fn between(&self, low: f32, high: f32, clearly: f32) -> Option<Near> {
         let (mut slow, mut fast) = (low, high);
         let mut short = self.with(slow).beyond;
         let mut far = self.with(fast).beyond;
         if far.is_nan() || short.is_nan() {
             return None;
         }
-        if self.family == Family::Velocity {
-            if far < 0.0 || short > 0.0 {
-                return None;
-            }
-        } else {
-            // It is between them by construction, but for the rounding of an f32.
-            let least = NEAR * (self.target + far);
-            short = if short < -least { short } else { -least };
-            far = if far > least { far } else { least };
+        let scale = self.target.abs() + (self.target + short).abs();
+        let near = NEAR * scale;
+        let chord = (far - short) / (fast - slow);
+        if far < -clearly * scale || short > clearly * scale {
+            return None;
         }
+        short = if short < -near { short } else { -near };
+        far = if far > near { far } else { near };
         // Regula falsi; the end that stays twice counts half (Illinois).
         let mut stayed = 0i32;
         for _ in 0..STEPS {
@@ -263,7 +276,7 @@ impl Wanted<f32> {
                 break;
             }
             let beyond = self.with(place).beyond;
-            if beyond.abs() <= NEAR * self.target {
+            if beyond.abs() <= near {
                 (fast, far) = (place, 0.0);
                 break;
             }
@@ -284,9 +297,7 @@ impl Wanted<f32> {
         let place = if far < -short { fast } else { slow };
         let step = 4e-3 * place + 1e-5 * fast;
         let slope = (self.with(place + step).beyond - self.with(place).beyond) / step;
-        // Without ramps it would be the duration.
-        let duration = self.duration.unwrap_or(f32::INFINITY);
-        let slope = if slope > 0.0 { slope } else { duration };
+        let slope = if slope > 0.0 { slope } else { chord };
         Some(Near { place, slope })
     }
 }
