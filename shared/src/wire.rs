@@ -9,15 +9,18 @@
 //! | `frame` | a CAN frame |
 //! | `id` | functions and axis ids |
 //! | `layout` | the table of frames and fields |
+//! | `form`, `place` | what of it a device needs: who sends a frame, and where its fields lie |
 //! | `command` | what a host says |
 //! | `report` | what an axis says |
 //! | `reason` | why a command was refused |
 //! | `slcan` | frames as ASCII lines, for serial adapters |
 
 pub mod command;
+pub mod form;
 pub mod frame;
 pub mod id;
 pub mod layout;
+pub mod place;
 pub mod reason;
 pub mod report;
 pub mod slcan;

@@ -4,6 +4,7 @@
 //! is meant is `raw * factor` in `unit`.
 
 use super::id::Function;
+use super::place::Place;
 use crate::units::Position;
 
 /// The values that a field's numbers have names for.
@@ -120,35 +121,32 @@ impl Field {
         self
     }
 
-    const fn mask(&self) -> u64 {
-        (1 << self.bits) - 1
+    /// Where it lies.
+    #[inline(always)]
+    pub const fn place(&self) -> Place {
+        Place {
+            start: self.start as u8,
+            bits: self.bits as u8,
+            signed: self.signed,
+        }
     }
 
     /// The least and greatest raw value.
+    #[inline(always)]
     pub const fn range(&self) -> (i64, i64) {
-        if self.signed {
-            (-(1 << (self.bits - 1)), (1 << (self.bits - 1)) - 1)
-        } else {
-            (0, self.mask() as i64)
-        }
+        self.place().range()
     }
 
     /// The raw value in a payload.
+    #[inline(always)]
     pub const fn get(&self, word: u64) -> i64 {
-        let raw = (word >> self.start) & self.mask();
-        if self.signed {
-            let unused = 64 - self.bits;
-            ((raw << unused) as i64) >> unused
-        } else {
-            raw as i64
-        }
+        self.place().get(word)
     }
 
     /// The payload with this field set; a raw value out of range is cut to its nearer end.
+    #[inline(always)]
     pub fn put(&self, word: u64, raw: i64) -> u64 {
-        let (least, greatest) = self.range();
-        let raw = raw.clamp(least, greatest) as u64 & self.mask();
-        (word & !(self.mask() << self.start)) | (raw << self.start)
+        self.place().put(word, raw)
     }
 }
 

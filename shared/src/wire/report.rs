@@ -1,12 +1,14 @@
 //! What an axis says, to everybody on the bus.
 
 use super::command::{Item, Session, open, wire_steps, wire_velocity_steps};
+use super::form::Form;
 use super::frame::Frame;
 use super::id::{Address, AxisId, Function};
 use super::layout::{
-    Field, Layout, POSITION_SHIFT, Sender, VELOCITY_SHIFT, acknowledgement, fault, feedback,
-    heartbeat, identity, parameter, started,
+    POSITION_SHIFT, Sender, VELOCITY_SHIFT, acknowledgement, fault, feedback, heartbeat, identity,
+    parameter, started,
 };
+use super::place::Word;
 use super::reason::Reason;
 use super::{DecodeError, ProtocolVersion};
 use crate::time::BusTime;
@@ -147,8 +149,8 @@ impl IdentityPart {
     pub const COUNT: u8 = 3;
 }
 
-pub(in crate::wire) fn chip_half(word: u64, field: &Field) -> [u8; 6] {
-    let [a, b, c, d, e, f, _, _] = field.get(word).to_le_bytes();
+pub(in crate::wire) fn chip_half(half: i64) -> [u8; 6] {
+    let [a, b, c, d, e, f, _, _] = half.to_le_bytes();
     [a, b, c, d, e, f]
 }
 
@@ -175,37 +177,37 @@ impl Report {
     /// field's end.
     pub fn encode(&self, axis: AxisId) -> Frame {
         let time = |time: BusTime| i64::try_from(time.0).unwrap_or(i64::MAX);
+        let empty = Word::default();
         let word = match *self {
             Self::Acknowledgement {
                 sequence,
                 function,
                 reason,
                 detail,
-            } => put([
-                (acknowledgement::SEQUENCE, sequence.into()),
-                (acknowledgement::FUNCTION, u8::from(function).into()),
-                (acknowledgement::REASON, u8::from(reason).into()),
-                (acknowledgement::DETAIL, detail.into()),
-            ]),
-            Self::Started { sequence, time: at } => put([
-                (started::SEQUENCE, sequence.into()),
-                (started::TIME, time(at)),
-            ]),
+            } => empty
+                .put(&acknowledgement::SEQUENCE, sequence.into())
+                .put(&acknowledgement::FUNCTION, u8::from(function).into())
+                .put(&acknowledgement::REASON, u8::from(reason).into())
+                .put(&acknowledgement::DETAIL, detail.into()),
+            Self::Started { sequence, time: at } => empty
+                .put(&started::SEQUENCE, sequence.into())
+                .put(&started::TIME, time(at)),
             Self::Fault {
                 fault: number,
                 time: at,
-            } => put([(fault::FAULT, number.into()), (fault::TIME, time(at))]),
+            } => empty
+                .put(&fault::FAULT, number.into())
+                .put(&fault::TIME, time(at)),
             Self::Feedback {
                 position,
                 velocity,
                 state,
                 moving,
-            } => put([
-                (feedback::POSITION, wire_steps(position)),
-                (feedback::VELOCITY, wire_velocity_steps(velocity)),
-                (feedback::STATE, state.into()),
-                (feedback::MOVING, moving.into()),
-            ]),
+            } => empty
+                .put(&feedback::POSITION, wire_steps(position))
+                .put(&feedback::VELOCITY, wire_velocity_steps(velocity))
+                .put(&feedback::STATE, state.into())
+                .put(&feedback::MOVING, moving.into()),
             Self::Heartbeat {
                 state,
                 fault,
@@ -214,47 +216,44 @@ impl Report {
                 error_frames,
                 lost,
                 rejected,
-            } => put([
-                (heartbeat::STATE, state.into()),
-                (heartbeat::FAULT, fault.into()),
-                (heartbeat::SESSION, session.into()),
-                (heartbeat::BUS_OFF, bus_off.into()),
-                (heartbeat::ERROR_FRAMES, error_frames.into()),
-                (heartbeat::LOST, lost.into()),
-                (heartbeat::REJECTED, rejected.into()),
-            ]),
+            } => empty
+                .put(&heartbeat::STATE, state.into())
+                .put(&heartbeat::FAULT, fault.into())
+                .put(&heartbeat::SESSION, session.into())
+                .put(&heartbeat::BUS_OFF, bus_off.into())
+                .put(&heartbeat::ERROR_FRAMES, error_frames.into())
+                .put(&heartbeat::LOST, lost.into())
+                .put(&heartbeat::REJECTED, rejected.into()),
             Self::Parameter {
                 parameter: number,
                 item,
                 value,
-            } => put([
-                (parameter::PARAMETER, number.into()),
-                (parameter::ITEM, u8::from(item).into()),
-                (parameter::VALUE, value),
-            ]),
+            } => empty
+                .put(&parameter::PARAMETER, number.into())
+                .put(&parameter::ITEM, u8::from(item).into())
+                .put(&parameter::VALUE, value),
             Self::Identity(IdentityPart::Version {
                 protocol,
                 board,
                 firmware: [major, minor, patch],
-            }) => put([
-                (identity::PART, 0),
-                (identity::PROTOCOL_MAJOR, protocol.major.into()),
-                (identity::PROTOCOL_MINOR, protocol.minor.into()),
-                (identity::BOARD, board.into()),
-                (identity::FIRMWARE_MAJOR, major.into()),
-                (identity::FIRMWARE_MINOR, minor.into()),
-                (identity::FIRMWARE_PATCH, patch.into()),
-            ]),
-            Self::Identity(IdentityPart::ChipFirst(half)) => {
-                put([(identity::PART, 1), (identity::CHIP_FIRST, chip_word(half))])
-            }
-            Self::Identity(IdentityPart::ChipLast(half)) => {
-                put([(identity::PART, 2), (identity::CHIP_LAST, chip_word(half))])
-            }
+            }) => empty
+                .put(&identity::PART, 0)
+                .put(&identity::PROTOCOL_MAJOR, protocol.major.into())
+                .put(&identity::PROTOCOL_MINOR, protocol.minor.into())
+                .put(&identity::BOARD, board.into())
+                .put(&identity::FIRMWARE_MAJOR, major.into())
+                .put(&identity::FIRMWARE_MINOR, minor.into())
+                .put(&identity::FIRMWARE_PATCH, patch.into()),
+            Self::Identity(IdentityPart::ChipFirst(half)) => empty
+                .put(&identity::PART, 1)
+                .put(&identity::CHIP_FIRST, chip_word(half)),
+            Self::Identity(IdentityPart::ChipLast(half)) => empty
+                .put(&identity::PART, 2)
+                .put(&identity::CHIP_LAST, chip_word(half)),
         };
         let function = self.function();
-        let length = Layout::of(function).map_or(0, |layout| layout.length);
-        Frame::from_word(Address::Axis(axis).frame_id(function), word, length)
+        let length = Form::of(function).map_or(0, |form| form.length);
+        Frame::from_word(Address::Axis(axis).frame_id(function), word.0, length)
     }
 
     /// What a frame from an axis means, and which axis it is; `Ok(None)` for a host's command.
@@ -265,75 +264,78 @@ impl Report {
         let Some((function, Address::Axis(axis), word)) = open(frame, Sender::Node)? else {
             return Ok(None);
         };
-        let bad = |field: &Field| DecodeError::Value {
+        let bad = |field: &'static str, value| DecodeError::Value {
             function,
-            field: field.name,
-            value: field.get(word) as u64,
+            field,
+            value,
         };
-        let byte = |field: &Field| field.get(word) as u8;
-        let time = |field: &Field| BusTime(field.get(word) as u64);
         let report = match function {
             Function::Acknowledgement => Self::Acknowledgement {
-                sequence: byte(&acknowledgement::SEQUENCE),
-                function: Function::try_from(byte(&acknowledgement::FUNCTION))
-                    .map_err(|_| bad(&acknowledgement::FUNCTION))?,
-                reason: Reason::try_from(byte(&acknowledgement::REASON))
-                    .map_err(|_| bad(&acknowledgement::REASON))?,
-                detail: acknowledgement::DETAIL.get(word) as u32,
+                sequence: word.byte(&acknowledgement::SEQUENCE),
+                function: Function::try_from(word.byte(&acknowledgement::FUNCTION)).map_err(
+                    |_| {
+                        bad(
+                            acknowledgement::FUNCTION.name,
+                            word.get(&acknowledgement::FUNCTION) as u64,
+                        )
+                    },
+                )?,
+                reason: Reason::try_from(word.byte(&acknowledgement::REASON)).map_err(|_| {
+                    bad(
+                        acknowledgement::REASON.name,
+                        word.get(&acknowledgement::REASON) as u64,
+                    )
+                })?,
+                detail: word.get(&acknowledgement::DETAIL) as u32,
             },
             Function::Started => Self::Started {
-                sequence: byte(&started::SEQUENCE),
-                time: time(&started::TIME),
+                sequence: word.byte(&started::SEQUENCE),
+                time: BusTime(word.get(&started::TIME) as u64),
             },
             Function::Fault => Self::Fault {
-                fault: byte(&fault::FAULT),
-                time: time(&fault::TIME),
+                fault: word.byte(&fault::FAULT),
+                time: BusTime(word.get(&fault::TIME) as u64),
             },
             Function::Feedback => Self::Feedback {
-                position: Position::from_counts(feedback::POSITION.get(word) << POSITION_SHIFT),
-                velocity: Velocity::from_counts(feedback::VELOCITY.get(word) << VELOCITY_SHIFT),
-                state: byte(&feedback::STATE),
-                moving: feedback::MOVING.get(word) == 1,
+                position: Position::from_counts(word.get(&feedback::POSITION) << POSITION_SHIFT),
+                velocity: Velocity::from_counts(word.get(&feedback::VELOCITY) << VELOCITY_SHIFT),
+                state: word.byte(&feedback::STATE),
+                moving: word.get(&feedback::MOVING) == 1,
             },
             Function::Heartbeat => Self::Heartbeat {
-                state: byte(&heartbeat::STATE),
-                fault: byte(&heartbeat::FAULT),
-                session: heartbeat::SESSION.get(word) as u16,
-                bus_off: byte(&heartbeat::BUS_OFF),
-                error_frames: byte(&heartbeat::ERROR_FRAMES),
-                lost: byte(&heartbeat::LOST),
-                rejected: byte(&heartbeat::REJECTED),
+                state: word.byte(&heartbeat::STATE),
+                fault: word.byte(&heartbeat::FAULT),
+                session: word.get(&heartbeat::SESSION) as u16,
+                bus_off: word.byte(&heartbeat::BUS_OFF),
+                error_frames: word.byte(&heartbeat::ERROR_FRAMES),
+                lost: word.byte(&heartbeat::LOST),
+                rejected: word.byte(&heartbeat::REJECTED),
             },
             Function::Parameter => Self::Parameter {
-                parameter: byte(&parameter::PARAMETER),
-                item: Item::try_from(byte(&parameter::ITEM)).map_err(|_| bad(&parameter::ITEM))?,
-                value: parameter::VALUE.get(word),
+                parameter: word.byte(&parameter::PARAMETER),
+                item: Item::try_from(word.byte(&parameter::ITEM))
+                    .map_err(|_| bad(parameter::ITEM.name, word.get(&parameter::ITEM) as u64))?,
+                value: word.get(&parameter::VALUE),
             },
-            Function::Identity => Self::Identity(match identity::PART.get(word) {
+            Function::Identity => Self::Identity(match word.get(&identity::PART) {
                 0 => IdentityPart::Version {
                     protocol: ProtocolVersion {
-                        major: byte(&identity::PROTOCOL_MAJOR),
-                        minor: byte(&identity::PROTOCOL_MINOR),
+                        major: word.byte(&identity::PROTOCOL_MAJOR),
+                        minor: word.byte(&identity::PROTOCOL_MINOR),
                     },
-                    board: byte(&identity::BOARD),
+                    board: word.byte(&identity::BOARD),
                     firmware: [
-                        byte(&identity::FIRMWARE_MAJOR),
-                        byte(&identity::FIRMWARE_MINOR),
-                        byte(&identity::FIRMWARE_PATCH),
+                        word.byte(&identity::FIRMWARE_MAJOR),
+                        word.byte(&identity::FIRMWARE_MINOR),
+                        word.byte(&identity::FIRMWARE_PATCH),
                     ],
                 },
-                1 => IdentityPart::ChipFirst(chip_half(word, &identity::CHIP_FIRST)),
-                2 => IdentityPart::ChipLast(chip_half(word, &identity::CHIP_LAST)),
-                _ => return Err(bad(&identity::PART)),
+                1 => IdentityPart::ChipFirst(chip_half(word.get(&identity::CHIP_FIRST))),
+                2 => IdentityPart::ChipLast(chip_half(word.get(&identity::CHIP_LAST))),
+                _ => return Err(bad(identity::PART.name, word.get(&identity::PART) as u64)),
             }),
             _ => return Ok(None),
         };
         Ok(Some((axis, report)))
     }
-}
-
-fn put<const COUNT: usize>(values: [(Field, i64); COUNT]) -> u64 {
-    values
-        .into_iter()
-        .fold(0, |word, (field, raw)| field.put(word, raw))
 }

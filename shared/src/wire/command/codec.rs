@@ -3,14 +3,16 @@
 use super::{Action, AssignPart, Command, Item, ProfileKind, wire_steps, wire_velocity_steps};
 use crate::time::{BusTime, Tick, Ticks};
 use crate::units::{Acceleration, Jerk, Position, Velocity};
+use crate::wire::form::Form;
 use crate::wire::frame::Frame;
 use crate::wire::id::{Address, Function, split};
 use crate::wire::layout::{
-    self, ACCELERATION_SHIFT, Addressing, Field, JERK_SHIFT, Layout, POSITION_SHIFT, Sender,
+    ACCELERATION_SHIFT, Addressing, Field, JERK_SHIFT, POSITION_SHIFT, Sender,
     VELOCITY_LIMIT_SHIFT, VELOCITY_SHIFT, assign, control, host_heartbeat, knot, parameter_read,
     parameter_write, peak_limits, plain_move, ramp_limits, stop, stream_begin, sync,
     trapezoid_shape, trigger,
 };
+use crate::wire::place::Word;
 use crate::wire::report::{chip_half, chip_word};
 use crate::wire::{DecodeError, FieldError};
 
@@ -165,7 +167,7 @@ impl Command {
         match payload.error {
             Some(error) => Err(error),
             None => {
-                let length = Layout::of(function).map_or(0, |layout| layout.length);
+                let length = Form::of(function).map_or(0, |form| form.length);
                 let id = address.frame_id(function);
                 Ok(Frame::from_word(id, payload.word, length))
             }
@@ -181,64 +183,61 @@ impl Command {
             Some(opened) => opened,
             None => return Ok(None),
         };
-        let byte = |field: &Field| field.get(word) as u8;
-        let meaningless = |field: &Field| DecodeError::Value {
+        let meaningless = |field: &'static str, value| DecodeError::Value {
             function,
-            field: field.name,
-            value: field.get(word) as u64,
+            field,
+            value,
         };
-        let ticks = |field: &Field| Ticks(field.get(word) as u32);
         let moved = |profile, staged| Self::Move {
             profile,
             staged,
-            target: Position::from_counts(plain_move::TARGET.get(word) << POSITION_SHIFT),
-            duration: ticks(&plain_move::DURATION),
-            sequence: byte(&plain_move::SEQUENCE),
+            target: Position::from_counts(word.get(&plain_move::TARGET) << POSITION_SHIFT),
+            duration: Ticks(word.get(&plain_move::DURATION) as u32),
+            sequence: word.byte(&plain_move::SEQUENCE),
         };
         let command = match function {
             Function::EmergencyStop => Self::EmergencyStop,
             Function::Sync => Self::Sync {
-                counter: byte(&sync::COUNTER),
-                time: BusTime(sync::TIME.get(word) as u64),
+                counter: word.byte(&sync::COUNTER),
+                time: BusTime(word.get(&sync::TIME) as u64),
             },
             Function::Trigger => Self::Trigger {
-                group: byte(&trigger::GROUP),
-                session: trigger::SESSION.get(word) as u16,
-                start: Tick(trigger::START.get(word) as u64),
+                group: word.byte(&trigger::GROUP),
+                session: word.get(&trigger::SESSION) as u16,
+                start: Tick(word.get(&trigger::START) as u64),
             },
             Function::Stop => Self::Stop {
-                sequence: byte(&stop::SEQUENCE),
+                sequence: word.byte(&stop::SEQUENCE),
             },
             Function::HostHeartbeat => Self::HostHeartbeat {
-                session: host_heartbeat::SESSION.get(word) as u16,
+                session: word.get(&host_heartbeat::SESSION) as u16,
             },
             Function::Control => Self::Control {
-                action: Action::try_from(byte(&control::ACTION))
-                    .map_err(|_| meaningless(&control::ACTION))?,
-                sequence: byte(&control::SEQUENCE),
-                session: control::SESSION.get(word) as u16,
+                action: Action::try_from(word.byte(&control::ACTION)).map_err(|_| {
+                    meaningless(control::ACTION.name, word.get(&control::ACTION) as u64)
+                })?,
+                sequence: word.byte(&control::SEQUENCE),
+                session: word.get(&control::SESSION) as u16,
             },
             Function::TrapezoidShape => Self::TrapezoidShape {
-                acceleration: ticks(&trapezoid_shape::ACCELERATION),
-                deceleration: ticks(&trapezoid_shape::DECELERATION),
-                sequence: byte(&trapezoid_shape::SEQUENCE),
+                acceleration: Ticks(word.get(&trapezoid_shape::ACCELERATION) as u32),
+                deceleration: Ticks(word.get(&trapezoid_shape::DECELERATION) as u32),
+                sequence: word.byte(&trapezoid_shape::SEQUENCE),
             },
             Function::RampLimits => {
-                let limit = |field: &Field| {
-                    Acceleration::from_counts(field.get(word) << ACCELERATION_SHIFT)
-                };
+                let limit = |steps: i64| Acceleration::from_counts(steps << ACCELERATION_SHIFT);
                 Self::RampLimits {
-                    acceleration: limit(&ramp_limits::ACCELERATION),
-                    deceleration: limit(&ramp_limits::DECELERATION),
-                    sequence: byte(&ramp_limits::SEQUENCE),
+                    acceleration: limit(word.get(&ramp_limits::ACCELERATION)),
+                    deceleration: limit(word.get(&ramp_limits::DECELERATION)),
+                    sequence: word.byte(&ramp_limits::SEQUENCE),
                 }
             }
             Function::PeakLimits => Self::PeakLimits {
                 velocity: Velocity::from_counts(
-                    peak_limits::VELOCITY.get(word) << VELOCITY_LIMIT_SHIFT,
+                    word.get(&peak_limits::VELOCITY) << VELOCITY_LIMIT_SHIFT,
                 ),
-                jerk: Jerk::from_counts(peak_limits::JERK.get(word) << JERK_SHIFT),
-                sequence: byte(&peak_limits::SEQUENCE),
+                jerk: Jerk::from_counts(word.get(&peak_limits::JERK) << JERK_SHIFT),
+                sequence: word.byte(&peak_limits::SEQUENCE),
             },
             Function::MoveBeta => moved(ProfileKind::Beta, false),
             Function::MoveTrapezoid => moved(ProfileKind::Trapezoid, false),
@@ -247,35 +246,44 @@ impl Command {
             Function::StageTrapezoid => moved(ProfileKind::Trapezoid, true),
             Function::StageSCurve => moved(ProfileKind::SCurve, true),
             Function::StreamBegin => Self::StreamBegin {
-                start: Tick(stream_begin::START.get(word) as u64),
-                period: byte(&stream_begin::PERIOD),
-                number: byte(&stream_begin::NUMBER),
-                sequence: byte(&stream_begin::SEQUENCE),
+                start: Tick(word.get(&stream_begin::START) as u64),
+                period: word.byte(&stream_begin::PERIOD),
+                number: word.byte(&stream_begin::NUMBER),
+                sequence: word.byte(&stream_begin::SEQUENCE),
             },
             Function::Knot => Self::Knot {
-                position: Position::from_counts(knot::POSITION.get(word) << POSITION_SHIFT),
-                velocity: Velocity::from_counts(knot::VELOCITY.get(word) << VELOCITY_SHIFT),
-                number: byte(&knot::NUMBER),
+                position: Position::from_counts(word.get(&knot::POSITION) << POSITION_SHIFT),
+                velocity: Velocity::from_counts(word.get(&knot::VELOCITY) << VELOCITY_SHIFT),
+                number: word.byte(&knot::NUMBER),
             },
             Function::ParameterRead => Self::ParameterRead {
-                parameter: byte(&parameter_read::PARAMETER),
-                item: Item::try_from(byte(&parameter_read::ITEM))
-                    .map_err(|_| meaningless(&parameter_read::ITEM))?,
+                parameter: word.byte(&parameter_read::PARAMETER),
+                item: Item::try_from(word.byte(&parameter_read::ITEM)).map_err(|_| {
+                    meaningless(
+                        parameter_read::ITEM.name,
+                        word.get(&parameter_read::ITEM) as u64,
+                    )
+                })?,
             },
             Function::ParameterWrite => Self::ParameterWrite {
-                parameter: byte(&parameter_write::PARAMETER),
-                value: parameter_write::VALUE.get(word),
-                sequence: byte(&parameter_write::SEQUENCE),
+                parameter: word.byte(&parameter_write::PARAMETER),
+                value: word.get(&parameter_write::VALUE),
+                sequence: word.byte(&parameter_write::SEQUENCE),
             },
-            Function::Assign => Self::Assign(match assign::PART.get(word) {
-                0 => AssignPart::ChipFirst(chip_half(word, &assign::CHIP_FIRST)),
-                1 => AssignPart::ChipLast(chip_half(word, &assign::CHIP_LAST)),
+            Function::Assign => Self::Assign(match word.get(&assign::PART) {
+                0 => AssignPart::ChipFirst(chip_half(word.get(&assign::CHIP_FIRST))),
+                1 => AssignPart::ChipLast(chip_half(word.get(&assign::CHIP_LAST))),
                 2 => AssignPart::Axis {
-                    axis: byte(&assign::AXIS),
-                    new_axis: byte(&assign::NEW_AXIS),
-                    sequence: byte(&assign::SEQUENCE),
+                    axis: word.byte(&assign::AXIS),
+                    new_axis: word.byte(&assign::NEW_AXIS),
+                    sequence: word.byte(&assign::SEQUENCE),
                 },
-                _ => return Err(meaningless(&assign::PART)),
+                _ => {
+                    return Err(meaningless(
+                        assign::PART.name,
+                        word.get(&assign::PART) as u64,
+                    ));
+                }
             }),
             Function::IdentityRequest => Self::IdentityRequest,
             Function::Acknowledgement
@@ -295,14 +303,14 @@ impl Command {
 pub(in crate::wire) fn open(
     frame: &Frame,
     sender: Sender,
-) -> Result<Option<(Function, Address, u64)>, DecodeError> {
+) -> Result<Option<(Function, Address, Word)>, DecodeError> {
     let unknown = DecodeError::UnknownFunction { id: frame.id() };
     let (function, address) = split(frame.id()).ok_or(unknown)?;
-    let layout = layout::Layout::of(function).ok_or(unknown)?;
-    if layout.sender != sender {
+    let form = Form::of(function).ok_or(unknown)?;
+    if form.sender != sender {
         return Ok(None);
     }
-    let addressed = match layout.addressing {
+    let addressed = match form.addressing {
         Addressing::All => address == Address::All,
         Addressing::One => address != Address::All,
         Addressing::Any => true,
@@ -310,7 +318,7 @@ pub(in crate::wire) fn open(
     if !addressed {
         return Err(DecodeError::Address { function });
     }
-    let (length, expected) = (frame.data().len(), usize::from(layout.length));
+    let (length, expected) = (frame.data().len(), usize::from(form.length));
     if length != expected {
         return Err(DecodeError::Length {
             function,
@@ -318,5 +326,5 @@ pub(in crate::wire) fn open(
             expected,
         });
     }
-    Ok(Some((function, address, frame.word())))
+    Ok(Some((function, address, Word(frame.word()))))
 }
