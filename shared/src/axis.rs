@@ -98,7 +98,7 @@ struct Staged {
 }
 
 /// What a repetition is answered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy)]
 enum Reply {
     Given(Report),
     /// Nothing yet: the answer comes when the job of this number is done.

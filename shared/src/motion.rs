@@ -68,10 +68,9 @@ pub use smooth::shortest_s_curve;
 use crate::time::Tick;
 use crate::units::{Acceleration, Position, Velocity};
 use beta::{Beta, Contribution};
-use chain::Chain;
+use chain::{Chain, MOST_PHASES};
 use heapless::Vec;
 use phase::Phase;
-use segments::MOST_SEGMENTS;
 use smooth::Commanded;
 
 /// Beta moves that may be under way on one axis at once: the first, and the one that a retarget
@@ -82,7 +81,7 @@ pub const OVERLAID_MOVES: usize = 2;
 const BETAS: usize = OVERLAID_MOVES + 1;
 
 /// Phases that the base may hold: the longest chain, and what is left of another before it.
-const PHASES: usize = MOST_SEGMENTS + 2;
+const PHASES: usize = MOST_PHASES + 2;
 
 /// What an axis is told to do at one tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -202,7 +201,17 @@ impl Motion {
 
     /// Whether the setpoint still changes, or will, after `tick`.
     pub fn is_moving(&self, tick: Tick) -> bool {
-        self.end().is_some_and(|end| tick < end)
+        // Asked several times in each tick: without looking for the latest of the ends.
+        self.phases.last().is_some_and(|last| tick < last.end())
+            || match self.takeover {
+                Some(takeover) => tick < takeover.tick,
+                None => self.betas.iter().any(|beta| tick < beta.end()),
+            }
+    }
+
+    /// Whether it rests whatever the tick.
+    pub(crate) fn has_settled(&self) -> bool {
+        self.phases.is_empty() && self.betas.is_empty() && self.takeover.is_none()
     }
 
     /// Forgets what has ended by `tick`, whose place the base takes over exactly.

@@ -47,6 +47,7 @@ use crate::wire::frame::Frame;
 use crate::wire::id::{Address, AxisId};
 pub use crate::wire::report::Board;
 use crate::wire::report::{IdentityPart, Report};
+use core::cell::Cell;
 use core::fmt;
 use heapless::Vec;
 
@@ -125,6 +126,8 @@ pub struct Node<D, const AXES: usize> {
     identity: Identity,
     clock: BusClock,
     next: Option<Tick>,
+    /// When that is to be, once it has been asked for: it is asked far more often than it changes.
+    due: Cell<Option<LocalTime>>,
     /// When the last tick ran.
     ticked: LocalTime,
     slots: Vec<Slot<D>, AXES>,
@@ -141,6 +144,7 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
             identity,
             clock: BusClock::new(),
             next: None,
+            due: Cell::new(None),
             ticked: LocalTime(0),
             slots: Vec::new(),
             setpoints: Vec::new(),
@@ -208,8 +212,14 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
 
     /// When to call [`Self::tick`] next. It moves with the bus clock: ask again after each frame.
     pub fn next_tick(&self) -> LocalTime {
-        self.next
-            .map_or(LocalTime(0), |tick| self.clock.local_time(tick.time()))
+        if let Some(due) = self.due.get() {
+            return due;
+        }
+        let due = self
+            .next
+            .map_or(LocalTime(0), |tick| self.clock.local_time(tick.time()));
+        self.due.set(Some(due));
+        due
     }
 
     /// Takes a frame that arrived at `now`. The node must not be given what it sends itself: what
@@ -238,7 +248,7 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
             if !address.includes(slot.axis.id()) {
                 continue;
             }
-            if command == Command::IdentityRequest {
+            if matches!(command, Command::IdentityRequest) {
                 slot.identity = 0;
                 continue;
             }
@@ -279,6 +289,7 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
                 slot.axis.rebase(Tick(next.0.saturating_sub(1)));
             }
         }
+        self.due.set(None);
     }
 
     /// Runs the tick that is due: once for each time that [`Self::next_tick`] has come.
@@ -288,6 +299,7 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
         // Only the first one is worked out: a division of 64 bits is not for every tick.
         let tick = self.next.unwrap_or_else(|| bus_time.next_tick());
         self.next = Some(Tick(tick.0.saturating_add(1)));
+        self.due.set(None);
         self.setpoints.clear();
         for Slot { axis, drive, .. } in &mut self.slots {
             axis.handle_drive(drive.report());

@@ -194,9 +194,9 @@ impl Course {
         let lead = self.lead_mut();
         match lead {
             Lead::Motion(motion) => {
-                let moved = motion.end().is_some();
+                let moved = !motion.has_settled();
                 motion.fold(tick);
-                moved && motion.end().is_none()
+                moved && motion.has_settled()
             }
             Lead::Stream(stream) if stream.is_moving(tick) => false,
             Lead::Stream(stream) => {

@@ -169,7 +169,7 @@ impl Axis {
         };
         let function = Function::Control;
         if let Some((_, reply)) = &mut self.last_command
-            && *reply == Reply::Saves(sequence)
+            && matches!(*reply, Reply::Saves(awaited) if awaited == sequence)
         {
             *reply = Reply::Given(acknowledgement(function, sequence, answer));
         }

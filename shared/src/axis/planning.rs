@@ -434,7 +434,7 @@ impl Axis {
         let report = acknowledgement(wanted.function, wanted.sequence, answer);
         for last in [&mut self.last_command, &mut self.last_trigger] {
             if let Some((_, reply)) = last
-                && *reply == Reply::Waits(number)
+                && matches!(*reply, Reply::Waits(awaited) if awaited == number)
             {
                 *reply = Reply::Given(report);
             }

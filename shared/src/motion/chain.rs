@@ -4,17 +4,19 @@
 //! then inside what a solver accepts, and turning it into counts is exact.
 
 use super::phase::{COEFFICIENT_BITS, FARTHEST, Moment, Phase, Rates, Span};
-use super::segments::MOST_SEGMENTS;
 use crate::limits::Limits;
 use crate::time::{LONGEST_MOVE, Tick};
 use crate::units::{COUNTS_PER_TURN, Position};
 use heapless::Vec;
 
+/// A change of velocity, a cruise and a stop: the longest chain there is.
+pub(crate) const MOST_PHASES: usize = 7;
+
 /// Phases in a row, from one tick to rest.
 #[derive(Debug, Clone)]
 pub(crate) struct Chain {
     /// Those that cover a tick.
-    pub phases: Vec<Phase, MOST_SEGMENTS>,
+    pub phases: Vec<Phase, MOST_PHASES>,
     /// The tick at which it starts.
     pub start: Tick,
     /// The first tick at rest.

@@ -1,14 +1,12 @@
 //! What a receiver checks of a frame: the table of frames without its names and units, which a device has
 //! no flash for.
 
-use super::id::Function;
+use super::id::{FUNCTION_BITS, Function};
 use super::layout::{Addressing, LAYOUTS, Sender};
 
 /// A frame's sender, addresses and length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Form {
-    /// What it is for.
-    function: Function,
     /// Who sends it.
     pub sender: Sender,
     /// Which addresses it may carry.
@@ -17,21 +15,17 @@ pub struct Form {
     pub length: u8,
 }
 
-static FORMS: [Form; LAYOUTS.len()] = {
-    let mut forms = [Form {
-        function: LAYOUTS[0].function,
-        sender: LAYOUTS[0].sender,
-        addressing: LAYOUTS[0].addressing,
-        length: LAYOUTS[0].length,
-    }; LAYOUTS.len()];
-    let mut index = 1;
+/// By the number of the function.
+static FORMS: [Option<Form>; 1 << FUNCTION_BITS] = {
+    let mut forms = [None; 1 << FUNCTION_BITS];
+    let mut index = 0;
     while index < LAYOUTS.len() {
-        forms[index] = Form {
-            function: LAYOUTS[index].function,
-            sender: LAYOUTS[index].sender,
-            addressing: LAYOUTS[index].addressing,
-            length: LAYOUTS[index].length,
-        };
+        let layout = &LAYOUTS[index];
+        forms[layout.function as usize] = Some(Form {
+            sender: layout.sender,
+            addressing: layout.addressing,
+            length: layout.length,
+        });
         index += 1;
     }
     forms
@@ -39,7 +33,7 @@ static FORMS: [Form; LAYOUTS.len()] = {
 
 impl Form {
     /// The form of a function.
-    pub fn of(function: Function) -> Option<&'static Self> {
-        FORMS.iter().find(|form| form.function == function)
+    pub fn of(function: Function) -> Option<Self> {
+        FORMS.get(usize::from(u8::from(function))).copied()?
     }
 }

@@ -6,6 +6,9 @@ use num_enum::{IntoPrimitive, TryFromPrimitive};
 /// Bits of the axis in an id.
 pub const AXIS_BITS: u32 = 6;
 
+/// Bits of the function in an id.
+pub const FUNCTION_BITS: u32 = 11 - AXIS_BITS;
+
 /// The greatest axis id.
 pub const LAST_AXIS: u8 = (1 << AXIS_BITS) - 1;
 

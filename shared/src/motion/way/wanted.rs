@@ -3,14 +3,14 @@
 //! What is reached grows along each family. An f32 finds the member to its 20 bits or so for next to nothing;
 //! steps in f64 make it exact.
 
-use super::super::chain::Piece;
+use super::super::chain::{MOST_PHASES, Piece};
 use super::super::change::{Change, Number, Strength};
 use super::super::phase::{Moment, Rates};
 use crate::units::COUNTS_PER_TURN;
 use core::mem::replace;
 
 /// A change of velocity, a cruise, and a stop.
-pub(crate) const PIECES: usize = 7;
+pub(crate) const PIECES: usize = MOST_PHASES;
 
 /// Halvings of the bracket, or better, in f32.
 const STEPS: usize = 20;

@@ -182,9 +182,8 @@ impl History {
             return;
         };
         let worse = place + usize::from(first.ahead(*second, rate) > 0);
-        if worse < self.points.len() {
-            self.points.remove(worse);
-        }
+        let mut place = 0..;
+        self.points.retain(|_| place.next() != Some(worse));
     }
 
     /// The line with the least squares of distances from the points; none without points.
