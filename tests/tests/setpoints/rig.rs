@@ -284,12 +284,12 @@ impl Rig {
             let room = self.drives_bus.send(1 + place, frame);
             assert!(room, "the drives' bus is too full: {:?}", self.setup);
         }
-        if let Some(passed) = self.hosts_bus.step(TrueTime(now)) {
-            if passed.sender == HOST {
-                // A receiver is late by up to 20 us, each time by something else.
-                let late = passed.start.0 % 20_011;
-                self.said.push_back((now + late, passed.frame));
-            }
+        if let Some(passed) = self.hosts_bus.step(TrueTime(now))
+            && passed.sender == HOST
+        {
+            // A receiver is late by up to 20 us, each time by something else.
+            let late = passed.start.0 % 20_011;
+            self.said.push_back((now + late, passed.frame));
         }
         while self.hosts_bus.has_room(NODE)
             && let Some(frame) = self.node.poll_transmit(local(now))
