@@ -83,7 +83,8 @@ impl Motion {
 pub(super) fn passes(state: &Setpoint, limits: &Limits, times: f64, margin: f64) -> bool {
     let acceleration = state.acceleration.counts() as f64;
     let gained = acceleration * acceleration / (2.0 * limits.jerk().counts() as f64 * times);
-    let along = (state.velocity.counts() as f64) * 1.0f64.copysign(acceleration);
+    let speed = state.velocity.counts() as f64;
+    let along = if acceleration < 0.0 { -speed } else { speed };
     let limit = limits.velocity().counts() as f64;
     gained > 0.0 && along <= limit + ROUNDING_MARGIN && along + gained > limit - margin
 }
