@@ -20,6 +20,7 @@
 //! | `device` | a node: the core, its crystal, its receive queue |
 //! | `plant` | a node's drive, motor, shaft and encoder |
 //! | `flash` | a node's flash |
+//! | `segment` | a bus whose stations the caller plays |
 //! | `disturbance`, `chance` | what goes wrong, by choice and at random |
 //! | `observer` | what can be recorded |
 //! | `random` | the seed's numbers |
@@ -42,6 +43,7 @@ mod medium;
 mod observer;
 mod plant;
 pub(crate) mod random;
+mod segment;
 mod station;
 #[cfg(test)]
 mod tests;
@@ -71,6 +73,7 @@ pub use medium::{Load, Transmission};
 pub use observer::{AxisTick, Delivery, Destroyed, Destruction, Observer, Record};
 pub use plant::{PlantError, PlantModel, PlantState, PlantValues};
 use random::SplitMix64;
+pub use segment::{Passed, Segment};
 pub use station::Station;
 
 /// What robot to simulate.

@@ -38,6 +38,7 @@ pub struct OdriveModel {
     closing: u32,
     fed: u32,
     ticks: u32,
+    estimate_period: u32,
     out: VecDeque<Frame>,
 }
 
@@ -63,7 +64,16 @@ impl OdriveModel {
             fed: 0,
             // So that drives do not all speak at once.
             ticks: 7 * u32::from(node),
+            estimate_period: ESTIMATE_PERIOD,
             out: VecDeque::new(),
+        }
+    }
+
+    /// The same with estimates each so many ms, at least 1: its `encoder_msg_rate_ms`.
+    pub fn with_estimates_each(self, period: u32) -> Self {
+        Self {
+            estimate_period: period.max(1),
+            ..self
         }
     }
 
@@ -142,7 +152,7 @@ impl Model for OdriveModel {
             self.out
                 .push_back(frame(self.node | 0x01, &[a, b, c, d, self.state, 0, 0, 0]));
         }
-        if self.ticks.is_multiple_of(ESTIMATE_PERIOD) {
+        if self.ticks.is_multiple_of(self.estimate_period) {
             let position = (self.shaft.position as f32).to_le_bytes();
             let velocity = (self.shaft.velocity as f32).to_le_bytes();
             let data = [position, velocity].concat();

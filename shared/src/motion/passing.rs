@@ -76,27 +76,26 @@ impl Motion {
 }
 
 /// Whether the velocity limit, less a margin, is passed while a multiple of the jerk limit takes the
-/// acceleration back: v + a |a| / 2 j is the velocity then.
+/// acceleration back: seen along the acceleration, v + a^2 / 2 j is the velocity then.
+///
+/// A state that is above the limit, since that was lowered, does not pass it any more; nor does one
+/// that steps to another acceleration, with an infinite multiple.
 pub(super) fn passes(state: &Setpoint, limits: &Limits, times: f64, margin: f64) -> bool {
     let acceleration = state.acceleration.counts() as f64;
-    let jerk = limits.jerk().counts() as f64 * times;
-    let gained = acceleration * acceleration.abs() / (2.0 * jerk);
-    let released = state.velocity.counts() as f64 + gained;
-    let most = limits.velocity().counts() as f64 - margin;
-    acceleration != 0.0 && released.abs() > most
+    let gained = acceleration * acceleration / (2.0 * limits.jerk().counts() as f64 * times);
+    let speed = state.velocity.counts() as f64;
+    let along = if acceleration < 0.0 { -speed } else { speed };
+    let limit = limits.velocity().counts() as f64;
+    gained > 0.0 && along <= limit + ROUNDING_MARGIN && along + gained > limit - margin
 }
 
-/// Whether a smooth way on would pass the velocity limit, where the state itself does not.
+/// Whether a smooth way on would pass the velocity limit.
 ///
 /// A stop that has been made with more jerk than the limit, and a stream, come to accelerations that
 /// the jerk limit takes too long to take back. The tolerance is what rounding a state to counts makes
 /// of a motion that comes to the limit just so: a count of acceleration for a / j seconds.
 pub(super) fn overshoots(commanded: &Commanded, limits: &Limits) -> bool {
     let state = &commanded.state;
-    let above = (state.velocity.abs() - limits.velocity()).counts() as f64;
-    if commanded.steps || above > ROUNDING_MARGIN {
-        return false;
-    }
     let seconds = (state.acceleration.counts() as f64).abs() / limits.jerk().counts() as f64;
-    passes(state, limits, 1.0, -ROUNDING_MARGIN * (1.0 + seconds))
+    !commanded.steps && passes(state, limits, 1.0, -ROUNDING_MARGIN * (1.0 + seconds))
 }

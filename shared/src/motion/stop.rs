@@ -23,7 +23,7 @@ impl Motion {
     /// would leave the travel or pass the velocity limit, it is made with more jerk than the limit,
     /// at the last as a quick stop; where even that does not help, the motion under way, which was
     /// checked to stay inside, runs on to its end. From outside the travel every stop counts that
-    /// does not lead farther out.
+    /// does not lead farther out; above a velocity limit that was lowered it is smooth.
     pub fn stop(&mut self, now: Tick, limits: &Limits) -> Tick {
         self.rest_soon(now, limits, false)
     }

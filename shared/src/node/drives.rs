@@ -14,10 +14,14 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
     }
 
     /// The next frame for the drives' bus, until there is none: setpoints wait from the tick on.
+    ///
+    /// The last axis comes first. Drives' ids usually go up with the axes', so the setpoint that waits
+    /// longest has the lowest id, and no drive's answer to the ones before gets the bus before it.
     pub fn poll_drive_transmit(&mut self) -> Option<Frame> {
         let frame = self
             .slots
             .iter_mut()
+            .rev()
             .find_map(|slot| slot.drive.poll_transmit());
         if frame.is_some() {
             return frame;

@@ -53,13 +53,13 @@ fn the_first_words_are_those_of_the_kind() {
     assert_eq!(sent(DriveKind::Simulated), [""; 0]);
     assert_eq!(sent(DriveKind::Odrive), [""; 0]);
     let exit = |id: u8| format!("{id:03X}#FFFFFFFFFFFFFFFD");
-    assert_eq!(sent(DriveKind::Mit), [exit(1), exit(2), exit(3)]);
+    assert_eq!(sent(DriveKind::Mit), [exit(3), exit(2), exit(1)]);
     let first = &sent(DriveKind::Cia402)[..2];
-    assert_eq!(first, ["000#8001", "601#2B40600000000000"]);
+    assert_eq!(first, ["000#8003", "603#2B40600000000000"]);
 }
 
 #[test]
-fn one_sync_follows_the_setpoints_of_all() {
+fn one_sync_follows_the_setpoints_of_all_the_lowest_id_last() {
     let mut node = node(DriveKind::Cia402);
     for _ in 0..40 {
         let now = node.next_tick();
@@ -79,9 +79,9 @@ fn one_sync_follows_the_setpoints_of_all() {
     }
     for sent in ticks(&mut node, 5) {
         let wanted = [
-            "201#000000000000",
-            "202#000000000000",
             "203#000000000000",
+            "202#000000000000",
+            "201#000000000000",
             "080#",
         ];
         assert_eq!(sent, wanted);

@@ -146,6 +146,37 @@ fn a_move_that_waits_takes_the_new_limits() {
     }
 }
 
+/// Faster than a limit that was lowered, an axis stops as from any other speed.
+#[test]
+fn a_stop_above_a_lowered_speed_limit_does_not_wait_for_the_motion() {
+    for profile in [Profile::Beta, Profile::SCurve] {
+        let limits = Limits::default();
+        let asked = quick(profile, 200.0, &limits);
+        let lower = with_velocity(5.0);
+        let middle = u64::from(asked.duration.0) / 3;
+        for now in middle..middle + 60 {
+            let mut motion = Motion::at_rest(position(0.0));
+            motion
+                .start(Tick(0), Tick(0), asked, &limits)
+                .expect("quick");
+            let end = motion.change_limits(Tick(middle), &lower);
+            assert!(end.expect("inside") > Tick(middle + 10_000));
+            let mut watch = Watch::new(limits);
+            watch.last = motion.at(Tick(now));
+            watch.change_limits(lower);
+            assert!(watch.last.velocity > lower.velocity(), "{now}");
+            let mut quick = motion.clone();
+            let rest = motion.stop(Tick(now), &lower);
+            assert!(rest.0 <= now + watch.longest_stop(), "{now} {rest:?}");
+            let hard = quick.quick_stop(Tick(now), &lower);
+            assert!(hard <= rest, "{now} {hard:?} {rest:?}");
+            watch
+                .run(&mut motion, now, rest.0 + 2)
+                .expect("every limit is kept");
+        }
+    }
+}
+
 /// A limit that rises and falls while nothing moves is of no concern.
 #[test]
 fn at_rest_any_limits_are_taken() {

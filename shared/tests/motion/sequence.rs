@@ -1,6 +1,6 @@
 //! Random sequences of everything that changes a motion, every tick of them watched.
 
-use canter_shared::limits::{LimitValues, Limits};
+use canter_shared::limits::{DEFAULT_VALUES, LimitValues, Limits};
 use canter_shared::motion::beta::Beta;
 use canter_shared::motion::trapezoid::Trapezoid;
 use canter_shared::motion::{Motion, Move, Profile, shortest_s_curve};
@@ -88,17 +88,32 @@ fn play(limits: Limits, steps: Vec<Step>, travel_first: bool) -> Result<(), Test
     watch.last = motion.at(Tick(0));
     let (mut limits, mut now) = (limits, 1_000u64);
     let mut target = None;
+    let mut lowered = false;
     for Step { what, ticks } in steps {
+        // A stop takes more jerk rather than pass the velocity limit. Moves that were planned with the
+        // limits that hold never ask for that; a limit that was lowered may.
+        if lowered && !matches!(what, What::Limits(_)) {
+            watch.steps |= watch.carries_over_the_limit();
+        }
         match what {
             What::Stop => {
                 let rest = motion.stop(Tick(now), &limits);
                 prop_assert!(motion.end().is_none_or(|end| end <= rest));
+                prop_assert!(
+                    travel_first || rest.0 <= now + watch.longest_stop(),
+                    "{rest:?} {now}"
+                );
+                watch.adds_no_speed();
                 target = None;
             }
             What::QuickStop => {
                 let smooth = motion.clone().stop(Tick(now), &limits);
                 let rest = motion.quick_stop(Tick(now), &limits);
                 prop_assert!(motion.end().is_none_or(|end| end <= rest));
+                prop_assert!(
+                    travel_first || rest.0 <= now + watch.longest_stop(),
+                    "{rest:?} {now}"
+                );
                 prop_assert!(rest <= smooth, "{rest:?} {smooth:?}");
                 target = None;
                 watch.steps = true;
@@ -109,6 +124,7 @@ fn play(limits: Limits, steps: Vec<Step>, travel_first: bool) -> Result<(), Test
                 if motion.change_limits(Tick(now), &others).is_ok() {
                     limits = others;
                     watch.change_limits(others);
+                    lowered = true;
                 }
                 prop_assert_eq!(motion.target(), before);
             }
@@ -148,7 +164,7 @@ fn play(limits: Limits, steps: Vec<Step>, travel_first: bool) -> Result<(), Test
         watch.run(&mut motion, now, now + u64::from(ticks))?;
         now += u64::from(ticks);
         if !motion.is_moving(Tick(now)) {
-            watch.steps = false;
+            (watch.steps, lowered) = (false, false);
         }
     }
     let end = motion.end().map_or(now, |end| end.0.max(now));
@@ -167,6 +183,34 @@ fn play(limits: Limits, steps: Vec<Step>, travel_first: bool) -> Result<(), Test
 
 const SMOOTH: &[Profile] = &[Profile::Beta, Profile::SCurve];
 const ALL: &[Profile] = &[Profile::Beta, Profile::SCurve, Profile::Trapezoid];
+
+/// Found by chance: an acceleration that the lowered jerk limit cannot take back inside the lowered
+/// velocity limit. The stop takes four times the jerk, and stays below that speed.
+#[test]
+fn a_stop_under_lowered_limits_takes_more_jerk_rather_than_pass_the_velocity_limit() {
+    let curve = |target: f64| What::Move {
+        profile: Profile::SCurve,
+        target,
+        slower: 1.0,
+        later: 0,
+    };
+    let steps = [
+        (curve(0.85), 297),
+        (curve(0.9), 200),
+        (What::Limits([0.49, 0.3, 0.3, 0.3]), 0),
+        (What::Stop, 0),
+    ];
+    let limits = Limits::new(&LimitValues {
+        velocity: 82.7,
+        acceleration: 94.5,
+        deceleration: 8.05,
+        jerk: 147.3,
+        ..DEFAULT_VALUES
+    })
+    .expect("in range");
+    let steps = steps.map(|(what, ticks)| Step { what, ticks });
+    play(limits, steps.to_vec(), false).expect("every limit is kept");
+}
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(4_000))]

@@ -63,6 +63,33 @@ impl Watch {
         self.strongest = self.last.acceleration.counts().abs() as f64;
     }
 
+    /// Whether the speed would pass its limit while the jerk limit takes the acceleration back.
+    pub fn carries_over_the_limit(&self) -> bool {
+        let acceleration = self.last.acceleration.counts() as f64;
+        let jerk = self.limits.jerk().counts() as f64;
+        let along = self.last.velocity.counts() as f64 * acceleration.signum();
+        along + acceleration * acceleration / (2.0 * jerk) > self.limits.velocity().counts() as f64
+    }
+
+    /// Holds what follows to the velocity limit, unless it is above that already.
+    pub fn adds_no_speed(&mut self) {
+        if self.last.velocity.abs() <= self.limits.velocity() {
+            self.fastest = 0.0;
+        }
+    }
+
+    /// The longest that a controlled stop may take, in ticks: the acceleration is taken back, and what
+    /// that makes of the speed is lost with a ramp up and a ramp down.
+    pub fn longest_stop(&self) -> u64 {
+        let acceleration = self.last.acceleration.counts().abs() as f64;
+        let jerk = self.limits.jerk().counts() as f64;
+        let deceleration = self.limits.deceleration().counts() as f64;
+        let speed =
+            self.last.velocity.counts().abs() as f64 + acceleration * acceleration / (2.0 * jerk);
+        let seconds = acceleration / jerk + speed / deceleration + deceleration / jerk;
+        (seconds * (1.0 + 1e-6) / TICK) as u64 + 2
+    }
+
     pub fn check(&mut self, now: Setpoint) -> Result<(), TestCaseError> {
         let (limits, last) = (&self.limits, self.last);
         let counts = |value: i64| value as f64;
