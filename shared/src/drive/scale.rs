@@ -59,9 +59,23 @@ impl Ratio {
     /// `value` times the ratio, rounded to the nearest; what does not fit is cut to the nearer end.
     fn of(self, value: i64) -> i64 {
         let product = u128::from(value.unsigned_abs()) * u128::from(self.mantissa);
-        let rounding = (1u128 << self.shift) >> 1;
-        let size = (product + rounding) >> self.shift;
-        let size = i64::try_from(size).unwrap_or(i64::MAX);
+        let (upper, lower) = ((product >> 64) as u64, product as u64);
+        // In halves, since shifts of 128 bits are long on a processor of 32. Half of a unit is the bit
+        // below the last that stays.
+        let (size, beyond, half) = match self.shift {
+            0 => (lower, upper, 0),
+            shift @ 1..64 => {
+                let size = upper << 1 << (63 - shift) | lower >> shift;
+                (size, upper >> shift, lower >> (shift - 1))
+            }
+            64 => (upper, 0, lower >> 63),
+            shift => (upper >> (shift - 64), 0, upper >> (shift - 65)),
+        };
+        let size = size.saturating_add(half & 1);
+        let size = match i64::try_from(size) {
+            Ok(size) if beyond == 0 => size,
+            _ => i64::MAX,
+        };
         if value < 0 { -size } else { size }
     }
 }

@@ -27,7 +27,12 @@ const LONGEST_STRETCH: u64 = 24;
 const ALLOWED: f32 = 1.0 - 16.0 / (1u32 << 22) as f32;
 
 /// Velocity, acceleration and jerk as fractions of their limits, or of their peaks.
-type Rates = [f32; 3];
+#[derive(Clone, Copy, Default)]
+struct Rates {
+    velocity: f32,
+    acceleration: f32,
+    jerk: f32,
+}
 
 /// Where the unit curve's rates have their peaks, as parts of the duration: the jerk's, the
 /// acceleration's, the velocity's with the jerk's of the other sign, and back. They are at
@@ -84,11 +89,11 @@ impl Curve {
             duration,
             rate: 1.0 / duration,
             times: PEAKS.map(|part| start + part * duration),
-            peaks: [
-                velocity * PEAK_VELOCITY as f32 / scale.velocity,
-                acceleration * PEAK_ACCELERATION as f32 / scale.acceleration,
-                jerk * PEAK_JERK as f32 / scale.jerk,
-            ],
+            peaks: Rates {
+                velocity: velocity * PEAK_VELOCITY as f32 / scale.velocity,
+                acceleration: acceleration * PEAK_ACCELERATION as f32 / scale.acceleration,
+                jerk: jerk * PEAK_JERK as f32 / scale.jerk,
+            },
         }
     }
 
@@ -97,52 +102,55 @@ impl Curve {
         let elapsed = time - self.start;
         let left = self.duration - elapsed;
         if elapsed <= 0.0 || left <= 0.0 {
-            return [0.0; 3];
+            return Rates::default();
         }
         // Both parts of the duration are exact near their own end, and so is q = 1 - x^2.
         let (before, after) = (elapsed * self.rate, left * self.rate);
         let x = before - after;
         let q = 4.0 * before * after;
         let root = square_root_f32(q);
-        let [velocity, acceleration, jerk] = self.peaks;
-        [
-            velocity * (q * q * root),
-            acceleration * (-x * q * root * ACCELERATION_SHAPE),
-            jerk * (root * (4.0 * x * x - 1.0)),
-        ]
+        let peaks = &self.peaks;
+        Rates {
+            velocity: peaks.velocity * (q * q * root),
+            acceleration: peaks.acceleration * (-x * q * root * ACCELERATION_SHAPE),
+            jerk: peaks.jerk * (root * (4.0 * x * x - 1.0)),
+        }
     }
 
     /// The least and greatest values from `from` to `to`, with the values there.
-    fn bounds(&self, from: f32, to: f32, first: Rates, last: Rates) -> Bounds {
+    fn bounds(&self, from: f32, to: f32, first: &Rates, last: &Rates) -> Bounds {
         let mut bounds = Bounds {
-            least: first,
-            greatest: first,
+            velocity: Range::of(first.velocity, last.velocity),
+            acceleration: Range::of(first.acceleration, last.acceleration),
+            jerk: Range::of(first.jerk, last.jerk),
         };
-        bounds.include(last);
-        let [velocity, acceleration, jerk] = self.peaks;
-        let [v, a, j] = first;
-        // Each of these is the value at one peak, and a value of the window already elsewhere.
-        let values = [
-            [v, a, jerk],
-            [v, acceleration, j],
-            [velocity, a, -jerk],
-            [v, -acceleration, j],
-            [v, a, jerk],
-        ];
-        for (time, value) in self.times.into_iter().zip(values) {
-            if from < time && time < to {
-                bounds.include(value);
-            }
+        // At each of them one rate has its peak; the others are a value of the window already elsewhere.
+        let peaks = &self.peaks;
+        let [early, quarter, middle, late, last] = self.times;
+        let inside = |time: f32| from < time && time < to;
+        if inside(middle) {
+            bounds.velocity.include(peaks.velocity);
+            bounds.jerk.include(-peaks.jerk);
+        }
+        if inside(quarter) {
+            bounds.acceleration.include(peaks.acceleration);
+        }
+        if inside(late) {
+            bounds.acceleration.include(-peaks.acceleration);
+        }
+        if inside(early) || inside(last) {
+            bounds.jerk.include(peaks.jerk);
         }
         bounds
     }
 
     /// How many times as long it must last to keep the limits by itself.
     fn stretch(&self) -> f32 {
-        let [velocity, acceleration, jerk] = self.peaks.map(f32::abs);
-        let by_acceleration = square_root_f32(acceleration + f32::MIN_POSITIVE);
+        let peaks = &self.peaks;
+        let by_acceleration = square_root_f32(peaks.acceleration.abs() + f32::MIN_POSITIVE);
+        let by_jerk = cube_root(peaks.jerk.abs());
         let mut stretch = 1.0;
-        for by in [velocity, by_acceleration, cube_root(jerk)] {
+        for by in [peaks.velocity.abs(), by_acceleration, by_jerk] {
             if by > stretch {
                 stretch = by;
             }
@@ -161,40 +169,65 @@ fn cube_root(value: f32) -> f32 {
     root
 }
 
+/// The least and the greatest value of one rate.
+#[derive(Clone, Copy, Default)]
+struct Range {
+    least: f32,
+    greatest: f32,
+}
+
+impl Range {
+    #[inline(always)]
+    fn of(first: f32, last: f32) -> Self {
+        let mut range = Self {
+            least: first,
+            greatest: first,
+        };
+        range.include(last);
+        range
+    }
+
+    #[inline(always)]
+    fn include(&mut self, value: f32) {
+        if value < self.least {
+            self.least = value;
+        }
+        if value > self.greatest {
+            self.greatest = value;
+        }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, other: &Self) {
+        self.least += other.least;
+        self.greatest += other.greatest;
+    }
+
+    #[inline(always)]
+    fn is_allowed(&self) -> bool {
+        self.least >= -ALLOWED && self.greatest <= ALLOWED
+    }
+}
+
 /// The least and greatest values over a window.
 #[derive(Clone, Copy, Default)]
 struct Bounds {
-    least: Rates,
-    greatest: Rates,
+    velocity: Range,
+    acceleration: Range,
+    jerk: Range,
 }
 
 impl Bounds {
     #[inline(always)]
-    fn include(&mut self, value: Rates) {
-        for ((least, greatest), value) in self.least.iter_mut().zip(&mut self.greatest).zip(value) {
-            if value < *least {
-                *least = value;
-            }
-            if value > *greatest {
-                *greatest = value;
-            }
-        }
+    fn add(&mut self, other: &Self) {
+        self.velocity.add(&other.velocity);
+        self.acceleration.add(&other.acceleration);
+        self.jerk.add(&other.jerk);
     }
 
     #[inline(always)]
-    fn plus(&self, other: &Self) -> Self {
-        let sum = |[a, b, c]: Rates, [d, e, f]: Rates| [a + d, b + e, c + f];
-        Self {
-            least: sum(self.least, other.least),
-            greatest: sum(self.greatest, other.greatest),
-        }
-    }
-
-    #[inline(always)]
-    fn allowed(&self) -> bool {
-        let ([v, a, j], [more_v, more_a, more_j]) = (self.least, self.greatest);
-        let inside = |least: f32, greatest: f32| least >= -ALLOWED && greatest <= ALLOWED;
-        inside(v, more_v) && inside(a, more_a) && inside(j, more_j)
+    fn are_allowed(&self) -> bool {
+        self.velocity.is_allowed() && self.acceleration.is_allowed() && self.jerk.is_allowed()
     }
 }
 
@@ -256,7 +289,7 @@ impl UnderWay {
             for (index, window) in windows.iter_mut().enumerate() {
                 let (from, to) = edges(index, width);
                 let last = curve.at(to);
-                *window = window.plus(&curve.bounds(from, to, first, last));
+                window.add(&curve.bounds(from, to, &first, &last));
                 first = last;
             }
         }
@@ -273,19 +306,19 @@ impl UnderWay {
         // How far a window leads at the velocity limit.
         let way = seconds * scale.velocity;
         let (mut lowest, mut highest) = (0.0, 0.0);
-        let mut first = [0.0; 3];
+        let mut first = Rates::default();
         self.windows.iter().enumerate().all(|(index, window)| {
             let (from, to) = edges(index, self.width);
             let last = added.at(to);
-            let sum = window.plus(&added.bounds(from, to, first, last));
+            let mut sum = added.bounds(from, to, &first, &last);
+            sum.add(window);
             first = last;
-            let ([least, ..], [greatest, ..]) = (sum.least, sum.greatest);
             // Inside the window as at its end: whichever is farther.
             let stays = |lowest: f32, highest: f32| lowest >= -room.below && highest <= room.above;
             let before = stays(lowest, highest);
-            lowest += way * least;
-            highest += way * greatest;
-            before && stays(lowest, highest) && (from >= added.duration || sum.allowed())
+            lowest += way * sum.velocity.least;
+            highest += way * sum.velocity.greatest;
+            before && stays(lowest, highest) && (from >= added.duration || sum.are_allowed())
         })
     }
 }

@@ -112,6 +112,9 @@ impl Way {
 
     /// The motion that cruises at the velocity limit, where the target is far enough for that.
     fn at_the_limit(&self) -> Option<Tried<f64>> {
+        if self.wanted.is_clearly_beyond(self.fastest) {
+            return None;
+        }
         let mut tried = self.wanted.with(self.fastest);
         (tried.beyond <= 0.0).then(|| {
             tried.cruise = -tried.beyond / self.fastest;

@@ -9,7 +9,10 @@ pub const MAXIMUM_LENGTH: usize = 8;
 ///
 /// canter sends nothing else: no remote frames, no 29-bit ids, no CAN FD. Whoever receives such
 /// a frame from a bus drops it before it gets here.
+///
+/// Three whole words: those are copied as such.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[repr(align(4))]
 pub struct Frame {
     id: u16,
     length: u8,

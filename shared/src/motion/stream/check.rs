@@ -189,10 +189,14 @@ impl Rates {
 fn halve<const N: usize>(mut control: [i64; N]) -> ([i64; N], [i64; N]) {
     let mut first = control;
     for (left, value) in (1..N).rev().zip(first.iter_mut()) {
-        *value = control.first().copied().unwrap_or_default();
-        let next = control;
-        for (cut, after) in control.iter_mut().take(left).zip(next.iter().skip(1)) {
-            *cut = (*cut + *after) >> 1;
+        let mut corners = control.iter_mut().take(left + 1);
+        let Some(mut corner) = corners.next() else {
+            continue;
+        };
+        *value = *corner;
+        for next in corners {
+            *corner = (*corner + *next) >> 1;
+            corner = next;
         }
     }
     // The last corner that was cut belongs to both.

@@ -149,6 +149,12 @@ impl Wanted<f64> {
         inside.then_some(tried)
     }
 
+    /// Whether it is plain without an exact look that the member at a place gets beyond the target.
+    pub(super) fn is_clearly_beyond(&self, place: f64) -> bool {
+        let tried = self.coarse().with(place as f32);
+        tried.beyond > CLEARLY * (tried.beyond + self.target.abs() as f32)
+    }
+
     /// The quickest motion that never cruises; `None` where it would be faster than `fastest`.
     pub(super) fn peaking(&self, fastest: f64) -> Option<Tried<f64>> {
         let released = self.released();
