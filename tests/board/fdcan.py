@@ -35,7 +35,7 @@ class Bus:
     def __init__(self):
         self.free = 0  # when the frame that is on the bus ends
         self.under_way = None
-        self.to_send = []  # of the harness: (not before, id, data)
+        self.to_send = []  # of the harness: (not before, id, data or what gives it then)
         self.log = []  # (when it ended, id, data), both ways
         self.listener = None
 
@@ -69,6 +69,7 @@ class Bus:
             identifier, index, data = min(offers, key=lambda offer: offer[0])
             if index is None:
                 self.to_send.pop(0)
+                data = data() if callable(data) else data
             # As if every fourth bit were followed by a stuffed one: the longest that it can be.
             bits = 47 + 8 * len(data) + (33 + 8 * len(data)) // 4
             self.free = now + bits * SECOND // self.RATE

@@ -8,7 +8,7 @@ from unicorn import UC_ARCH_ARM, UC_HOOK_INTR, UC_MODE_MCLASS, UC_MODE_THUMB, Uc
 from unicorn import arm_const as arm
 
 SYSTEM_CONTROL = 0xE000E000  # where its registers are, of which four KiB are known here
-INTERRUPTS = 102  # of an STM32G474, RM0440 table 97
+INTERRUPTS = 102  # of an STM32G474
 FIRST_INTERRUPT = 16  # the number of its exception
 
 INTERRUPT_CONTROL_STATE = 0xD04

@@ -99,12 +99,13 @@ class Watchdog(Registers):
 
     def __init__(self, chip):
         self.chip = chip
+        self.longest = 0  # between two feeds
         super().__init__({self.LENGTH: 0xFFF})
 
     def reset(self):
         super().reset()
         self.deadline = None
-        self.feeds = 0
+        self.fed = None
 
     def write(self, offset, value):
         super().write(offset, value)
@@ -112,7 +113,9 @@ class Watchdog(Registers):
         if offset == self.KEY and (value == self.START or (value == self.FEED and running)):
             clocks = (self.words[self.LENGTH] + 1) * (4 << self.words.get(self.DIVIDER, 0))
             self.deadline = self.chip.now + clocks * SECOND // 32_000
-            self.feeds += 1
+            if running:
+                self.longest = max(self.longest, self.chip.now - self.fed)
+            self.fed = self.chip.now
 
     def next(self):
         """When it bites."""

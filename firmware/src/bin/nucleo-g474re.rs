@@ -12,7 +12,7 @@ use canter_shared::node::Board;
 use cortex_m_rt::entry;
 use embassy_stm32::gpio::{Level, Output, Speed};
 use embassy_stm32::time::Hertz;
-use embassy_stm32::{Config, rcc};
+use embassy_stm32::{Config, pac, rcc};
 
 /// The board's crystal X3. CAN needs one: see `bit_timing` for what its nodes may differ by, and the
 /// chip's own RC oscillator strays 1 % over temperature.
@@ -39,8 +39,8 @@ fn main() -> ! {
     }
 }
 
-/// 24 MHz / 6 x 85 = 340 MHz, / 4 = 85 MHz, until [`boost`] doubles it. FDCAN takes the crystal directly:
-/// exact, whatever the PLL does.
+/// 24 MHz / 6 x 85 = 340 MHz, / 2 = 170 MHz for the processor and the buses; above 150 MHz the
+/// core needs its boost voltage. FDCAN takes the crystal directly: exact, whatever the PLL does.
 fn clocks() -> Config {
     let mut config = Config::default();
     config.rcc.hse = Some(rcc::Hse {
@@ -53,43 +53,27 @@ fn clocks() -> Config {
         mul: rcc::PllMul::MUL85,
         divp: None,
         divq: None,
-        divr: Some(rcc::PllRDiv::DIV4),
+        divr: Some(rcc::PllRDiv::DIV2),
     });
     config.rcc.sys = rcc::Sysclk::PLL1_R;
+    config.rcc.boost = true;
     config.rcc.hsi48 = None;
     config.rcc.mux.fdcansel = rcc::mux::Fdcansel::HSE;
     config
 }
 
-/// From 85 to 170 MHz for the processor: above 150 MHz the core needs its boost voltage.
-///
-/// The library would do it, but clears another bit than R1MODE, which is bit 8 of PWR_CR5 (RM0440, 6.4),
-/// and the core would be without that voltage. To have it set up the clocks twice, with the bit cleared
-/// between, takes 3 KiB. What it knows of the clocks stays true of the peripherals: the timers and APB1
-/// have 85 MHz before and after.
+/// Gives the core the voltage that it needs above 150 MHz: for that R1MODE is cleared, which is bit 8 of
+/// PWR_CR5 (RM0440). The library clears bit 0 (stm32-metapac 21.0), and resets what is written before it
+/// begins. So the processor is at 170 MHz some microseconds too early, once, on its way from there to here;
+/// from then on the order is the manual's: half of the frequency until the voltage is there.
 fn boost() {
-    use embassy_stm32::pac::{FLASH, PWR, RCC, flash::vals::Latency};
-
-    // The order of RM0440, 6.1.5: half of the frequency until the voltage is there.
-    RCC.cfgr().modify(|w| w.set_sw(rcc::Sysclk::HSI));
-    while RCC.cfgr().read().sws() != rcc::Sysclk::HSI {}
-    RCC.cr().modify(|w| w.set_pllon(false));
-    while RCC.cr().read().pllrdy() {}
-    RCC.pllcfgr().modify(|w| w.set_pllr(rcc::PllRDiv::DIV2));
-    RCC.cr().modify(|w| w.set_pllon(true));
-    while !RCC.cr().read().pllrdy() {}
-    RCC.cfgr().modify(|w| w.set_hpre(rcc::AHBPrescaler::DIV2));
-    PWR.cr5().modify(|w| w.0 &= !(1 << 8));
-    FLASH.acr().modify(|w| w.set_latency(Latency::WS4));
-    while FLASH.acr().read().latency() != Latency::WS4 {}
-    RCC.cfgr().modify(|w| w.set_sw(rcc::Sysclk::PLL1_R));
-    while RCC.cfgr().read().sws() != rcc::Sysclk::PLL1_R {}
-    // At least 1 us.
+    pac::RCC
+        .cfgr()
+        .modify(|w| w.set_hpre(rcc::AHBPrescaler::DIV2));
+    pac::PWR.cr5().modify(|w| w.0 &= !(1 << 8));
+    // 2 us, where one is asked for.
     cortex_m::asm::delay(170);
-    RCC.cfgr().modify(|w| {
-        w.set_hpre(rcc::AHBPrescaler::DIV1);
-        w.set_ppre1(rcc::APBPrescaler::DIV2);
-        // Timers run at twice the rate of a bus that is divided.
-        w.set_ppre2(rcc::APBPrescaler::DIV4);
-    });
+    pac::RCC
+        .cfgr()
+        .modify(|w| w.set_hpre(rcc::AHBPrescaler::DIV1));
 }

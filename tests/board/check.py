@@ -1,0 +1,183 @@
+"""Runs the image of the NUCLEO-G474RE, unchanged, on an emulated chip, and holds it to what it promises.
+
+Arguments: the image, its version, canter.dbc.
+"""
+
+import os
+import sys
+
+import cantools
+
+from chip import Chip
+from host import MILLISECOND, SESSION, Host, Odrive
+
+AXES = (1, 2, 3)
+EMULATED = "nucleo-g474re, emulated:"
+CHIP_ID = bytes.fromhex("0123456789abcdef02468ace")
+
+
+def expect(condition, what):
+    """Ends the check unless it is so."""
+    if not condition:
+        raise AssertionError(what)
+
+
+def measured(what, value, bound):
+    """Shows a figure, and hands it to tests/run."""
+    print(f"firmware: {what}: {value} ({bound})")
+    if path := os.environ.get("CANTER_MEASUREMENTS"):
+        with open(path, "a", encoding="utf-8") as file:
+            file.write(f"firmware\t{what}\t{value}\t{bound}\n")
+
+
+def unsteadiness(times):
+    """By how much the longest or the shortest of these gaps is not a millisecond, in ns."""
+    gaps = [after - before for before, after in zip(times, times[1:])]
+    return max(abs(gap - MILLISECOND) for gap in gaps)
+
+
+def healthy(host, state, axes=AXES):
+    """Every axis's last heartbeat says this state, no fault, and nothing lost."""
+    for axis in axes:
+        beats = host.heard(f"Heartbeat_{axis}")
+        expect(beats, f"axis {axis} sends no heartbeat")
+        beat = {name: str(value) for name, value in beats[-1][1].items()}
+        for field, value in {"state": state, "fault": "none", "lost": "0", "bus_off": "0"}.items():
+            expect(beat[field] == value, f"axis {axis}: {field} is not {value}: {beat}")
+
+
+def boots(host):
+    """Without a debugger, from RAM that holds anything."""
+    chip = host.chip
+    chip.power_on()
+    host.run(400)
+    first = min(at for at, _ in host.heard("Heartbeat_1"))
+    measured(f"{EMULATED} power-on to first heartbeat", f"{first // 1000} us", "< 50 ms")
+    expect(first < 50 * MILLISECOND, "the first heartbeat is late")
+    healthy(host, "switch on disabled")
+    for name, controller in (("host's", chip.host), ("drives'", chip.drives)):
+        timing = controller.timing()
+        expect(timing == (1_000_000, 875, 3), f"the {name} bus is timed {timing}")
+    clock = chip.clocks.processor()
+    expect(clock == 170_000_000, f"the processor has {clock} Hz")
+    expect(not chip.clocks.excess(), chip.clocks.excess())
+
+
+def scans(host, version):
+    """Three axes of one chip tell who they are."""
+    host.listen()
+    host.send("IdentityRequest_all")
+    host.run(10)
+    for axis in AXES:
+        identity = {}
+        for _, part in host.heard(f"Identity_{axis}"):
+            identity.update(part)
+        expect(identity, f"axis {axis} does not answer a scan")
+        halves = [identity.get(half, 0).to_bytes(6, "little") for half in ("chip_first", "chip_last")]
+        expect(b"".join(halves) == CHIP_ID, f"axis {axis} has another chip: {identity}")
+        expect(str(identity["board"]) == "nucleo-g474re", f"another board: {identity}")
+        numbers = [identity[f"firmware_{part}"] for part in ("major", "minor", "patch")]
+        expect(".".join(map(str, numbers)) == version, f"not version {version}: {identity}")
+
+
+def moves(host):
+    """A quarter of a turn in 0.3 s along a beta S-curve, told 1000 times a second."""
+    host.beat(host.chip.now + 900 * MILLISECOND)
+    host.control("hold", 1)
+    host.control("configure", 1)
+    host.command("ParameterWrite", 1, parameter="feedback.period", value=1)
+    host.control("enable", 1)
+    host.run(20)
+    answer = host.command("MoveBeta", 1, target=0.25, duration=0.3)
+    # It leaves at the next tick or the one after.
+    expect(300 <= answer["detail"] <= 302, f"the move takes other than 300 ticks: {answer}")
+    host.run(360)
+    (_, started), *_ = host.heard("Started_1")
+    reports = host.heard("Feedback_1")
+    places = [fields["position"] for _, fields in reports]
+    expect(places == sorted(places), "the axis moves backwards")
+    expect(places[0] == 0 and places[-1] == 0.25, f"from {places[0]} to {places[-1]} turn")
+    last = reports[-1][1]
+    expect(last["velocity"] == 0 and not last["moving"], f"the axis does not rest: {last}")
+    begin = next(n for n, place in enumerate(places) if place > 0) - 1
+    end = places.index(0.25)
+    expect(295 <= end - begin <= 300, f"the move takes {end - begin} reports")
+    middle = (begin + end) // 2
+    expect(abs(places[middle] - 0.125) < 0.0025, f"half-way it is at {places[middle]}")
+    fastest = max(fields["velocity"] for _, fields in reports)
+    expect(1.3 < fastest * 0.3 / 0.25 < 2.3, f"the fastest is {fastest} turn/s")
+    expect(0 < started["time"] < host.chip.now / 1e9, f"it started at {started}")
+
+    # The answers at the beginning are before it on the bus; later only the other axes' frames may be.
+    off = unsteadiness([at for at, _ in reports[begin + 5 : end]])
+    measured(f"{EMULATED} reports of 1 kHz come off by", f"{off // 1000} us", "< 300 us")
+    expect(off < 300_000, "the axis does not report at 1 kHz")
+    healthy(host, "operation enabled", axes=[1])
+
+
+def keeps_up(host):
+    """With the shortest frames, one after the other for 30 ms, none is lost."""
+    host.listen()
+    for _ in range(500):
+        host.send("EmergencyStop_63")
+    host.run(300)
+    expect(len(host.heard("EmergencyStop_63")) == 500, "the bus was not full")
+    healthy(host, "operation enabled", axes=[1])
+    host.control("disable", 1)
+    host.run(200)
+    healthy(host, "switch on disabled")
+
+
+def saves(host):
+    """Which drive axis 2 has is kept over a reset, and it is spoken to on the drives' bus."""
+    chip = host.chip
+    host.beat(chip.now + 500 * MILLISECOND)
+    expect(not chip.drives.bus.log, "simulated drives are spoken to")
+    host.control("hold", 2)
+    host.control("configure", 2)
+    host.command("ParameterWrite", 2, parameter="drive.kind", value=1)
+    begin = chip.now
+    host.control("save", 2, patience=200)
+    measured(f"{EMULATED} saving", f"{(chip.now - begin) // 1000} us", "< 100 ms")
+    expect(chip.flash.erased == 1, f"{chip.flash.erased} pages were erased")
+    expect(len(chip.resets) == 1, "saving resets the chip")
+
+    chip.press_reset()
+    host.listen()
+    odrive = Odrive(chip.drives.bus, 2)
+    odrive.live(chip.now, chip.now + 1200 * MILLISECOND)
+    host.run(300)
+    healthy(host, "switch on disabled")
+    expect(odrive.setpoints, "an ODrive is not spoken to")
+    host.beat(chip.now + 900 * MILLISECOND)
+    host.control("hold", 2)
+    host.control("enable", 2)
+    host.run(300)
+    healthy(host, "operation enabled", axes=[2])
+    odrive.setpoints.clear()
+    host.command("MoveBeta", 2, target=0.125, duration=0.2)
+    host.run(250)
+    expect(odrive.position == 0.125, f"the ODrive was led to {odrive.position}")
+    off = unsteadiness([at for at, _ in odrive.setpoints])
+    measured(f"{EMULATED} setpoints of 1 kHz come off by", f"{off // 1000} us", "< 300 us")
+    expect(off < 300_000, "the drive does not get a setpoint each millisecond")
+    healthy(host, "operation enabled", axes=[2])
+
+
+def main():
+    """All of it, with one chip."""
+    image, version, database = sys.argv[1:]
+    chip = Chip(image, CHIP_ID)
+    host = Host(chip, cantools.database.load_file(database))
+    boots(host)
+    scans(host, version)
+    moves(host)
+    keeps_up(host)
+    saves(host)
+    expect(len(chip.resets) == 2, f"the chip was reset: {chip.resets}")
+    gap = chip.watchdog.longest
+    measured(f"{EMULATED} longest between two feeds of the watchdog", f"{gap // 1000} us", "< 20 ms")
+
+
+if __name__ == "__main__":
+    main()
