@@ -9,7 +9,7 @@ import sys
 import cantools
 
 from chip import Chip
-from host import MILLISECOND, SESSION, Host, Odrive
+from host import MILLISECOND, Host, Odrive, Refused
 
 AXES = (1, 2, 3)
 EMULATED = "nucleo-g474re, emulated:"
@@ -36,14 +36,15 @@ def unsteadiness(times):
     return max(abs(gap - MILLISECOND) for gap in gaps)
 
 
-def healthy(host, state, axes=AXES):
-    """Every axis's last heartbeat says this state, no fault, and nothing lost."""
+def healthy(host, state, axes=AXES, **more):
+    """Every axis's last heartbeat says this state, no fault, and nothing lost, or what `more` says."""
+    wanted = {"state": state, "fault": "none", "lost": 0, "bus_off": 0} | more
     for axis in axes:
         beats = host.heard(f"Heartbeat_{axis}")
         expect(beats, f"axis {axis} sends no heartbeat")
         beat = {name: str(value) for name, value in beats[-1][1].items()}
-        for field, value in {"state": state, "fault": "none", "lost": "0", "bus_off": "0"}.items():
-            expect(beat[field] == value, f"axis {axis}: {field} is not {value}: {beat}")
+        for field, value in wanted.items():
+            expect(beat[field] == str(value), f"axis {axis}: {field} is not {value}: {beat}")
 
 
 def boots(host):
@@ -164,19 +165,60 @@ def saves(host):
     healthy(host, "operation enabled", axes=[2])
 
 
+def comes_back(host):
+    """From bus-off, after a wait; and from a bus without a peer, where no frame is acknowledged."""
+    chip = host.chip
+    host.listen()
+    begin = chip.now
+    chip.host.go_bus_off()
+    host.run(300)
+    first = host.bus.log[host.begin][0] - begin
+    measured(f"{EMULATED} back from bus-off after", f"{first // 1000} us", "10 to 20 ms")
+    expect(10 * MILLISECOND < first < 20 * MILLISECOND, "the node is not back from bus-off in time")
+    healthy(host, "fault", fault="bus_off", bus_off=1)
+
+    host.bus.has_peer = False
+    host.run(300)
+    host.bus.has_peer = True
+    host.listen()
+    host.run(300)
+    healthy(host, "fault", fault="bus_off", bus_off=1)
+
+
+def without_slots(image, database):
+    """A chip whose flash is one bank: the node runs, and says that it cannot save."""
+    chip = Chip(image, CHIP_ID)
+    chip.flash.make_one_bank()
+    host = Host(chip, database)
+    chip.power_on()
+    host.run(300)
+    healthy(host, "switch on disabled")
+    host.control("hold", 1)
+    try:
+        host.control("save", 1, patience=200)
+    except Refused as refusal:
+        expect(refusal.reason == "save_failed", f"a save is refused otherwise: {refusal}")
+    else:
+        raise AssertionError("a save is accepted that cannot be")
+    expect(len(chip.resets) == 1, f"the chip was reset: {chip.resets}")
+
+
 def main():
     """All of it, with one chip."""
     image, version, database = sys.argv[1:]
+    database = cantools.database.load_file(database)
     chip = Chip(image, CHIP_ID)
-    host = Host(chip, cantools.database.load_file(database))
+    host = Host(chip, database)
     boots(host)
     scans(host, version)
     moves(host)
     keeps_up(host)
     saves(host)
+    comes_back(host)
     expect(len(chip.resets) == 2, f"the chip was reset: {chip.resets}")
     gap = chip.watchdog.longest
     measured(f"{EMULATED} longest between two feeds of the watchdog", f"{gap // 1000} us", "< 20 ms")
+    without_slots(image, database)
 
 
 if __name__ == "__main__":

@@ -18,6 +18,7 @@ PROTECTED = (0x0C, 0x14, BIT_TIMING, 0x20, 0x48, FILTER, BUFFERS)
 PROTECTED_CONTROL = 0xF1E4
 
 NEW, FULL, LOST = (1 << 0, 1 << 3), (1 << 1, 1 << 4), (1 << 2, 1 << 5)
+BUS_OFF, BUS_OFF_CHANGED = 1 << 7, 1 << 19  # in PROTOCOL and in FLAGS
 TRANSMITTED, CANCELLATION = 1 << 7, 1 << 8
 # What a bit of SECOND_LINE moves there.
 GROUPS = (0x7, 0x38, 0x1C0, 0x1E00, 0xE000, 0x30000, 0xFC0000)
@@ -38,18 +39,26 @@ class Bus:
         self.to_send = []  # of the harness: (not before, id, data or what gives it then)
         self.log = []  # (when it ended, id, data), both ways
         self.listener = None
+        self.has_peer = True  # without one nobody acknowledges, and a frame is tried for ever
 
     def next(self, controller):
         """When something happens next."""
         if self.under_way:
             return self.free
         waits = [max(self.free, frame[0]) for frame in self.to_send[:1]]
-        if controller.waiting and controller.is_on():
+        if self._takes(controller):
             waits.append(self.free)
+        if controller.rejoins:
+            waits.append(controller.rejoins)
         return min(waits, default=None)
+
+    def _takes(self, controller):
+        return controller.waiting and controller.is_on() and self.has_peer
 
     def advance(self, now, controller):
         """Ends the frame that is on the bus, and begins the next: the lowest id wins."""
+        if controller.rejoins and now >= controller.rejoins:
+            controller.leave_bus_off()
         if self.under_way and now >= self.free:
             index, identifier, data = self.under_way
             self.under_way = None
@@ -63,7 +72,7 @@ class Bus:
         if self.under_way or now < self.free:
             return
         offers = [(identifier, None, data) for at, identifier, data in self.to_send[:1] if at <= now]
-        if controller.waiting and controller.is_on():
+        if self._takes(controller):
             offers.append(controller.offer())
         if offers:
             identifier, index, data = min(offers, key=lambda offer: offer[0])
@@ -90,10 +99,13 @@ class Controller(Registers):
         self.put = 0
         self.levels, self.gets, self.lost = [0, 0], [0, 0], [0, 0]
         self.started = 0
+        self.rejoins = None  # when its wait after bus-off ends
 
     def is_on(self):
         """Whether it takes part in its bus; then it must do so at the bus's rate."""
         if self.words[CONTROL] & (INIT | STOP) or not self.pins():
+            return False
+        if self.words[PROTOCOL] & BUS_OFF:
             return False
         if self.timing()[0] != Bus.RATE:
             raise Stuck(f"an FDCAN with {self.timing()[0]} bit/s on a bus with {Bus.RATE}")
@@ -152,6 +164,9 @@ class Controller(Registers):
             value &= ~CHANGE
             if control & INIT:
                 self.started = self.chip.now
+                if self.words[PROTOCOL] & BUS_OFF:
+                    # 129 times 11 recessive bits.
+                    self.rejoins = self.chip.now + 1419 * SECOND // self.timing()[0]
                 self._check_filters()
         elif value & CHANGE and not control & CHANGE:
             # RM0440: these registers are reset when CCE is set.
@@ -178,6 +193,18 @@ class Controller(Registers):
     def _raise(self, flags):
         self.words[FLAGS] = self.words.get(FLAGS, 0) | flags
         self._signal()
+
+    def go_bus_off(self):
+        """As after 32 frames that failed one after the other."""
+        self.words[PROTOCOL] |= BUS_OFF
+        self.words[CONTROL] |= INIT
+        self._raise(BUS_OFF_CHANGED)
+
+    def leave_bus_off(self):
+        """The wait after bus-off has ended."""
+        self.rejoins = None
+        self.words[PROTOCOL] &= ~BUS_OFF
+        self._raise(BUS_OFF_CHANGED)
 
     # Frames in.
 

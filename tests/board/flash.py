@@ -12,6 +12,7 @@ ACCESS, KEY, STATUS, CONTROL, OPTIONS = 0x00, 0x08, 0x10, 0x14, 0x20
 KEYS = [0x45670123, 0xCDEF89AB]
 PROGRAM, PAGE_ERASE, SECOND_BANK, START, LOCK = 1 << 0, 1 << 1, 1 << 11, 1 << 16, 1 << 31
 BUSY = 1 << 16
+DUAL_BANK = 1 << 22  # of OPTIONS
 # Typical times of the data sheet, in ns.
 ERASES, PROGRAMS = 22_000_000, 82_000
 
@@ -25,6 +26,11 @@ class Flash(Registers):
         self.erased = 0
         # Option bit DBANK is set, as delivered.
         super().__init__({ACCESS: 0x40600, CONTROL: 0xC0000000, OPTIONS: 0xFFEFF8AA})
+
+    def make_one_bank(self):
+        """As if somebody had cleared the option bit DBANK."""
+        self.initial[OPTIONS] &= ~DUAL_BANK
+        self.reset()
 
     def reset(self):
         super().reset()

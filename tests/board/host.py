@@ -13,6 +13,14 @@ def send_at(bus, at, identifier, data):
     bisect.insort(bus.to_send, (at, identifier, data), key=lambda frame: frame[0])
 
 
+class Refused(AssertionError):
+    """A command's answer is no."""
+
+    def __init__(self, command, answer):
+        super().__init__(f"{command} is refused: {answer}")
+        self.reason = str(answer["reason"])
+
+
 class Host:
     """Sends commands on the host's bus and waits for their answers, in the chip's own time."""
 
@@ -68,7 +76,7 @@ class Host:
             raise AssertionError(f"{name} to axis {axis} has no answer within {patience} ms")
         answer = answers()[0]
         if str(answer["reason"]) != "accepted":
-            raise AssertionError(f"{name} to axis {axis} is refused: {answer}")
+            raise Refused(f"{name} to axis {axis}", answer)
         return answer
 
     def control(self, action, axis, **more):
