@@ -117,13 +117,19 @@ def moves(host):
 
 
 def keeps_up(host):
-    """With the shortest frames, one after the other for 30 ms, none is lost."""
+    """With the shortest frames, one after the other for 30 ms, none is lost while it plans an s-curve."""
+    host.beat(host.chip.now + 900 * MILLISECOND)
     host.listen()
-    for _ in range(500):
+    for _ in range(250):
         host.send("EmergencyStop_63")
-    host.run(300)
+    host.send("MoveSCurve_1", target=0, duration=0.5, sequence=host.next_sequence())
+    for _ in range(250):
+        host.send("EmergencyStop_63")
+    host.run(600)
     expect(len(host.heard("EmergencyStop_63")) == 500, "the bus was not full")
     healthy(host, "operation enabled", axes=[1])
+    place = host.heard("Feedback_1")[-1][1]["position"]
+    expect(place == 0, f"the axis is at {place} and not where it was sent")
     host.control("disable", 1)
     host.run(200)
     healthy(host, "switch on disabled")

@@ -172,6 +172,8 @@ class Chip:
         while self.now < end:
             if self.changed or self.now >= self.due:
                 self._events()
+                if self.watchdog_bites:
+                    self._reset(BY_WATCHDOG)
                 if until and until():
                     return True
             if processor.take_interrupt():
@@ -185,8 +187,6 @@ class Chip:
             self.now += CYCLES * SECOND // self.clocks.processor() // (2 if early else 1)
             if processor.reset_requested:
                 self._reset(BY_SOFTWARE)
-            elif self.watchdog_bites:
-                self._reset(BY_WATCHDOG)
         return False
 
     def _events(self):

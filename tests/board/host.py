@@ -62,15 +62,20 @@ class Host:
         """Lets time pass."""
         return self.chip.run(self.chip.now + milliseconds * MILLISECOND, until)
 
+    def next_sequence(self):
+        """The number of the next command."""
+        self.sequence = self.sequence % 255 + 1
+        return self.sequence
+
     def command(self, name, axis, patience=20, **fields):
         """Sends a command; its answer, which must come within so many ms and be accepted."""
-        self.sequence = self.sequence % 255 + 1
+        sequence = self.next_sequence()
         self.listen()
-        self.send(f"{name}_{axis}", sequence=self.sequence, **fields)
+        self.send(f"{name}_{axis}", sequence=sequence, **fields)
 
         def answers():
             heard = self.heard(f"Acknowledgement_{axis}")
-            return [fields for _, fields in heard if fields["sequence"] == self.sequence]
+            return [fields for _, fields in heard if fields["sequence"] == sequence]
 
         if not self.run(patience, answers):
             raise AssertionError(f"{name} to axis {axis} has no answer within {patience} ms")
