@@ -73,11 +73,15 @@ class Chip:
         ]
         for number, port in enumerate(self.pins.values()):
             parts.append((port, 0x48000000 + BLOCK * number, (0x4C, number)))
-        self.parts = {base // BLOCK: (part, base, enable) for part, base, enable in parts}
+        self.parts = {
+            base // BLOCK: (part, base, enable) for part, base, enable in parts
+        }
         for block in range(SYSTEM_CONTROL // BLOCK, SYSTEM_CONTROL // BLOCK + 4):
             self.parts[block] = (self.processor, SYSTEM_CONTROL, None)
         self.clocks.at_reset = {
-            enable: part for part, _, enable in parts if enable and part is not self.host
+            enable: part
+            for part, _, enable in parts
+            if enable and part is not self.host
         }
         self.timed = (self.timer, self.watchdog)
 
@@ -120,7 +124,9 @@ class Chip:
         address = base + offset
         part, begin, enable = self._part(address)
         if not self.clocks.is_enabled(enable):
-            raise Stuck(f"{address:#x} is written without its clock, by {self._place()}")
+            raise Stuck(
+                f"{address:#x} is written without its clock, by {self._place()}"
+            )
         register, shift = address - begin & ~3, 8 * (address & 3)
         if size < 4:
             mask = (1 << 8 * size) - 1 << shift
@@ -131,7 +137,9 @@ class Chip:
     def _part(self, address):
         part = self.parts.get(address // BLOCK)
         if part is None:
-            raise Stuck(f"{address:#x} is used by {self._place()}, and nothing is modelled there")
+            raise Stuck(
+                f"{address:#x} is used by {self._place()}, and nothing is modelled there"
+            )
         return part
 
     def _place(self):
@@ -184,7 +192,9 @@ class Chip:
             self.asleep = processor.run(SLICE)
             # One that slept or was interrupted ended early: half of it, on the whole.
             early = self.asleep or self.changed
-            self.now += CYCLES * SECOND // self.clocks.processor() // (2 if early else 1)
+            self.now += (
+                CYCLES * SECOND // self.clocks.processor() // (2 if early else 1)
+            )
             if processor.reset_requested:
                 self._reset(BY_SOFTWARE)
         return False
@@ -197,4 +207,6 @@ class Chip:
         for controller in (self.host, self.drives):
             controller.bus.advance(self.now, controller)
             dues.append(controller.bus.next(controller))
-        self.due = min((due for due in dues if due is not None), default=self.now + SECOND)
+        self.due = min(
+            (due for due in dues if due is not None), default=self.now + SECOND
+        )

@@ -8,7 +8,9 @@ INTERNAL = 16_000_000
 CONTROL, CONFIGURATION, PLL = 0x00, 0x08, 0x0C
 INTERNAL_ON, CRYSTAL_ON, PLL_ON = 1 << 8, 1 << 16, 1 << 24
 PERIPHERAL_CLOCKS, STATUS, FAST_48 = 0x88, 0x94, 0x98
-RESETS_FROM_ENABLES = 0x20  # a reset register is so far before the one that enables the same
+RESETS_FROM_ENABLES = (
+    0x20  # a reset register is so far before the one that enables the same
+)
 
 # What a reset came from, in STATUS.
 REMOVE_FLAGS = 1 << 23
@@ -91,7 +93,11 @@ class Clocks(Registers):
         for (enable, bit), peripheral in self.at_reset.items():
             if offset == enable - RESETS_FROM_ENABLES and value >> bit & 1:
                 peripheral.reset()
-        if offset == CONTROL and not value & PLL_ON and self.read(CONFIGURATION) & 0xC == 0xC:
+        if (
+            offset == CONTROL
+            and not value & PLL_ON
+            and self.read(CONFIGURATION) & 0xC == 0xC
+        ):
             raise Stuck("the PLL is switched off under the processor")
         if offset == PLL and self.read(CONTROL) & PLL_ON:
             raise Stuck("the PLL is changed while it runs")

@@ -24,7 +24,14 @@ TRANSMITTED, CANCELLATION = 1 << 7, 1 << 8
 GROUPS = (0x7, 0x38, 0x1C0, 0x1E00, 0xE000, 0x30000, 0xFC0000)
 
 # Offsets in the message RAM.
-STANDARD_FILTERS, FILTERS, FIFOS, OUT, ELEMENT, DEPTH = 0x70, 0xB0, (0xB0, 0x188), 0x278, 72, 3
+STANDARD_FILTERS, FILTERS, FIFOS, OUT, ELEMENT, DEPTH = (
+    0x70,
+    0xB0,
+    (0xB0, 0x188),
+    0x278,
+    72,
+    3,
+)
 MESSAGE_RAM = 0x350
 
 
@@ -36,10 +43,14 @@ class Bus:
     def __init__(self):
         self.free = 0  # when the frame that is on the bus ends
         self.under_way = None
-        self.to_send = []  # of the harness: (not before, id, data or what gives it then)
+        self.to_send = (
+            []
+        )  # of the harness: (not before, id, data or what gives it then)
         self.log = []  # (when it ended, id, data), both ways
         self.listener = None
-        self.has_peer = True  # without one nobody acknowledges, and a frame is tried for ever
+        self.has_peer = (
+            True  # without one nobody acknowledges, and a frame is tried for ever
+        )
 
     def next(self, controller):
         """When something happens next."""
@@ -69,9 +80,15 @@ class Bus:
                 controller.sent(index)
                 if self.listener:
                     self.listener(self.free, identifier, data)
+        if not self.has_peer:
+            self.to_send = [frame for frame in self.to_send if frame[0] > now]
         if self.under_way or now < self.free:
             return
-        offers = [(identifier, None, data) for at, identifier, data in self.to_send[:1] if at <= now]
+        offers = [
+            (identifier, None, data)
+            for at, identifier, data in self.to_send[:1]
+            if at <= now
+        ]
         if self._takes(controller):
             offers.append(controller.offer())
         if offers:
@@ -91,7 +108,9 @@ class Controller(Registers):
     def __init__(self, chip, ram, interrupts, pins):
         self.chip, self.ram, self.interrupts, self.pins = chip, ram, interrupts, pins
         self.bus = Bus()
-        super().__init__({CORE: 0x32141218, ENDIAN: 0x87654321, CONTROL: INIT, PROTOCOL: 0x707})
+        super().__init__(
+            {CORE: 0x32141218, ENDIAN: 0x87654321, CONTROL: INIT, PROTOCOL: 0x707}
+        )
 
     def reset(self):
         super().reset()
@@ -108,7 +127,9 @@ class Controller(Registers):
         if self.words[PROTOCOL] & BUS_OFF:
             return False
         if self.timing()[0] != Bus.RATE:
-            raise Stuck(f"an FDCAN with {self.timing()[0]} bit/s on a bus with {Bus.RATE}")
+            raise Stuck(
+                f"an FDCAN with {self.timing()[0]} bit/s on a bus with {Bus.RATE}"
+            )
         return True
 
     def timing(self):
@@ -126,7 +147,9 @@ class Controller(Registers):
             return self._fifo(RECEIVED.index(offset))
         if offset == FREE:
             waiting = len(self.waiting)
-            return DEPTH - waiting | self.put << 16 | (1 << 21 if waiting == DEPTH else 0)
+            return (
+                DEPTH - waiting | self.put << 16 | (1 << 21 if waiting == DEPTH else 0)
+            )
         if offset == REQUESTED:
             return sum(1 << index for index in self.waiting)
         if offset == TIMESTAMP and not self.words[CONTROL] & INIT:
@@ -177,8 +200,12 @@ class Controller(Registers):
     def _check_filters(self):
         # An element is in use where its bits 27 to 29, or 29 to 31, are not 0.
         standard = self.chip.memory(self.ram, STANDARD_FILTERS)[3::4]
-        extended = self.chip.memory(self.ram + STANDARD_FILTERS, FILTERS - STANDARD_FILTERS)[3::8]
-        if any(byte & 0x38 for byte in standard) or any(byte & 0xE0 for byte in extended):
+        extended = self.chip.memory(
+            self.ram + STANDARD_FILTERS, FILTERS - STANDARD_FILTERS
+        )[3::8]
+        if any(byte & 0x38 for byte in standard) or any(
+            byte & 0xE0 for byte in extended
+        ):
             raise Stuck("an FDCAN has filters, which are not modelled")
 
     def _signal(self):
@@ -211,7 +238,13 @@ class Controller(Registers):
     def _fifo(self, number):
         level, get = self.levels[number], self.gets[number]
         put = (get + level) % DEPTH
-        return level | get << 8 | put << 16 | (level == DEPTH) << 24 | self.lost[number] << 25
+        return (
+            level
+            | get << 8
+            | put << 16
+            | (level == DEPTH) << 24
+            | self.lost[number] << 25
+        )
 
     def _release(self, number, index):
         released = (index - self.gets[number]) % DEPTH + 1
@@ -243,7 +276,9 @@ class Controller(Registers):
 
     def _request(self, index):
         if index != self.put:
-            raise Stuck(f"buffer {index} of an FDCAN's FIFO is sent, and {self.put} is the next")
+            raise Stuck(
+                f"buffer {index} of an FDCAN's FIFO is sent, and {self.put} is the next"
+            )
         self.waiting.append(index)
         self.put = (self.put + 1) % DEPTH
         for register in (SENT, CANCELLED):
@@ -251,7 +286,9 @@ class Controller(Registers):
 
     def _cancel(self, value):
         sending = self.bus.under_way and self.bus.under_way[0]
-        for index in [index for index in self.waiting if value >> index & 1 and index != sending]:
+        for index in [
+            index for index in self.waiting if value >> index & 1 and index != sending
+        ]:
             self.waiting.remove(index)
             self.words[CANCELLED] = self.words.get(CANCELLED, 0) | 1 << index
             if self.words.get(CANCELLED_FLAGS, 0) >> index & 1:
@@ -264,7 +301,9 @@ class Controller(Registers):
         words = [int.from_bytes(head[at : at + 4], "little") for at in (0, 4)]
         length = words[1] >> 16 & 0xF
         if words[0] >> 29 or words[1] >> 20 & 3 or length > 8:
-            raise Stuck("an FDCAN sends something else than a classic frame with an 11-bit id")
+            raise Stuck(
+                "an FDCAN sends something else than a classic frame with an 11-bit id"
+            )
         return words[0] >> 18 & 0x7FF, index, bytes(head[8 : 8 + length])
 
     def sent(self, index):

@@ -10,7 +10,13 @@ PAGE = 2 * 1024
 
 ACCESS, KEY, STATUS, CONTROL, OPTIONS = 0x00, 0x08, 0x10, 0x14, 0x20
 KEYS = [0x45670123, 0xCDEF89AB]
-PROGRAM, PAGE_ERASE, SECOND_BANK, START, LOCK = 1 << 0, 1 << 1, 1 << 11, 1 << 16, 1 << 31
+PROGRAM, PAGE_ERASE, SECOND_BANK, START, LOCK = (
+    1 << 0,
+    1 << 1,
+    1 << 11,
+    1 << 16,
+    1 << 31,
+)
 BUSY = 1 << 16
 DUAL_BANK = 1 << 22  # of OPTIONS
 # Typical times of the data sheet, in ns.
@@ -58,7 +64,9 @@ class Flash(Registers):
             raise Stuck("FLASH_CR is written while it is locked or busy")
         if value & START:
             if not value & PAGE_ERASE or not value & SECOND_BANK or value & PROGRAM:
-                raise Stuck(f"FLASH_CR erases something else than a page of bank 2: {value:#x}")
+                raise Stuck(
+                    f"FLASH_CR erases something else than a page of bank 2: {value:#x}"
+                )
             at = (value >> 3 & 0x7F) * PAGE
             self.bank[at : at + PAGE] = b"\xff" * PAGE
             self.erased += 1
@@ -75,14 +83,18 @@ class Flash(Registers):
         """Programs half a double word; the second half has it done."""
         writable = self.words[CONTROL] & (PROGRAM | LOCK) == PROGRAM
         if not writable or self.chip.now < self.done:
-            raise Stuck(f"flash is written at {BANK + offset:#x} and FLASH_CR does not let it")
+            raise Stuck(
+                f"flash is written at {BANK + offset:#x} and FLASH_CR does not let it"
+            )
         if self.half is None and offset % 8 == 0:
             self.half = offset
         elif self.half is not None and offset == self.half + 4:
             self.half = None
             self.done = self.chip.now + PROGRAMS
         else:
-            raise Stuck(f"flash is written at {BANK + offset:#x}, not a double word at a time")
+            raise Stuck(
+                f"flash is written at {BANK + offset:#x}, not a double word at a time"
+            )
         if self.bank[offset : offset + 4] != b"\xff" * 4:
             raise Stuck(f"flash is written at {BANK + offset:#x} and was not erased")
         self.bank[offset : offset + 4] = value.to_bytes(4, "little")

@@ -40,7 +40,9 @@ class Host:
         message = self.database.get_message_by_name("HostHeartbeat_all")
         at = max(self.chip.now, self.beating_until)
         while at < until:
-            send_at(self.bus, at, message.frame_id, message.encode({"session": SESSION}))
+            send_at(
+                self.bus, at, message.frame_id, message.encode({"session": SESSION})
+            )
             at += BEAT
         self.beating_until = at
 
@@ -78,7 +80,9 @@ class Host:
             return [fields for _, fields in heard if fields["sequence"] == sequence]
 
         if not self.run(patience, answers):
-            raise AssertionError(f"{name} to axis {axis} has no answer within {patience} ms")
+            raise AssertionError(
+                f"{name} to axis {axis} has no answer within {patience} ms"
+            )
         answer = answers()[0]
         if str(answer["reason"]) != "accepted":
             raise Refused(f"{name} to axis {axis}", answer)

@@ -4,7 +4,14 @@ Faults are not taken: a program that causes one, or an exception that is not mod
 an error that says where.
 """
 
-from unicorn import UC_ARCH_ARM, UC_HOOK_INTR, UC_MODE_MCLASS, UC_MODE_THUMB, Uc, UcError
+from unicorn import (
+    UC_ARCH_ARM,
+    UC_HOOK_INTR,
+    UC_MODE_MCLASS,
+    UC_MODE_THUMB,
+    Uc,
+    UcError,
+)
 from unicorn import arm_const as arm
 
 SYSTEM_CONTROL = 0xE000E000  # where its registers are, of which four KiB are known here
@@ -21,8 +28,13 @@ RESET_REQUEST = 1 << 2
 PLAIN = (0xD00, 0xD10, 0xD20, 0xD80, 0xDF0, 0xF30)
 PRIORITY_BITS = 0xF0  # the upper 4 of 8
 
-RETURN_BY_HOOK = 8  # what unicorn calls a jump to an address that means: return from the exception
-TO_HANDLER, TO_THREAD = 0xFFFFFFE1, 0xFFFFFFE9  # with the floating-point registers on the main stack
+RETURN_BY_HOOK = (
+    8  # what unicorn calls a jump to an address that means: return from the exception
+)
+TO_HANDLER, TO_THREAD = (
+    0xFFFFFFE1,
+    0xFFFFFFE9,
+)  # with the floating-point registers on the main stack
 WAIT_FOR_INTERRUPT = b"\x30\xbf"
 
 STACKED = [
@@ -67,7 +79,11 @@ class Processor:
         self.reset_requested = False
         self._returns = False
         unicorn = self.unicorn
-        for register in (arm.UC_ARM_REG_PRIMASK, arm.UC_ARM_REG_BASEPRI, arm.UC_ARM_REG_FAULTMASK):
+        for register in (
+            arm.UC_ARM_REG_PRIMASK,
+            arm.UC_ARM_REG_BASEPRI,
+            arm.UC_ARM_REG_FAULTMASK,
+        ):
             unicorn.reg_write(register, 0)
         unicorn.reg_write(arm.UC_ARM_REG_XPSR, THUMB)
         unicorn.reg_write(arm.UC_ARM_REG_SP, self.word(self.vectors()))
@@ -87,7 +103,9 @@ class Processor:
             self.unicorn.emu_start(self.place | 1, 0, count=instructions)
         except UcError as error:
             place = self.unicorn.reg_read(arm.UC_ARM_REG_PC)
-            raise Stuck(f"{error} at {place:#x}, called from {self.caller():#x}") from error
+            raise Stuck(
+                f"{error} at {place:#x}, called from {self.caller():#x}"
+            ) from error
         self.place = self.unicorn.reg_read(arm.UC_ARM_REG_PC)
         if self._returns:
             self._returns = False
@@ -164,7 +182,9 @@ class Processor:
         number = self.active.pop()
         wanted = TO_HANDLER if self.active else TO_THREAD
         if self.place | 1 != wanted:
-            raise Stuck(f"exception {number} ends with {self.place | 1:#x} and not {wanted:#x}")
+            raise Stuck(
+                f"exception {number} ends with {self.place | 1:#x} and not {wanted:#x}"
+            )
         stack = unicorn.reg_read(arm.UC_ARM_REG_SP)
         frame = unicorn.mem_read(stack, FRAME)
         words = range(0, FRAME - 4, 4)
@@ -228,7 +248,9 @@ class Processor:
             )
         elif offset == SOFTWARE_TRIGGER:
             self.pending.add(value & 0x1FF)
-        elif offset == APPLICATION_RESET and value & ~0x700 == RESET_KEY | RESET_REQUEST:
+        elif (
+            offset == APPLICATION_RESET and value & ~0x700 == RESET_KEY | RESET_REQUEST
+        ):
             self.reset_requested = True
         elif offset & ~0xF in PLAIN and offset != INTERRUPT_CONTROL_STATE:
             self.words[offset] = value

@@ -52,7 +52,9 @@ class Timer(Registers):
 
     def ticks(self):
         """Since the timer began."""
-        return self.before + (self.chip.now - self.begin) * self.clock // (SECOND * self.divider)
+        return self.before + (self.chip.now - self.begin) * self.clock // (
+            SECOND * self.divider
+        )
 
     def change_clock(self):
         """Goes on from here at another rate."""
@@ -83,7 +85,10 @@ class Timer(Registers):
         for bit, at in self._events():
             if self.words.get(ENABLED_INTERRUPTS, 0) >> bit & 1:
                 ticks.append(self.seen + 1 + (at - self.seen - 1) % period)
-        due = [-((self.before - tick) * SECOND * self.divider // self.clock) for tick in ticks]
+        due = [
+            -((self.before - tick) * SECOND * self.divider // self.clock)
+            for tick in ticks
+        ]
         return self.begin + min(due) if due else None
 
     def _signal(self):
@@ -110,8 +115,12 @@ class Watchdog(Registers):
     def write(self, offset, value):
         super().write(offset, value)
         running = self.deadline is not None
-        if offset == self.KEY and (value == self.START or (value == self.FEED and running)):
-            clocks = (self.words[self.LENGTH] + 1) * (4 << self.words.get(self.DIVIDER, 0))
+        if offset == self.KEY and (
+            value == self.START or (value == self.FEED and running)
+        ):
+            clocks = (self.words[self.LENGTH] + 1) * (
+                4 << self.words.get(self.DIVIDER, 0)
+            )
             self.deadline = self.chip.now + clocks * SECOND // 32_000
             if running:
                 self.longest = max(self.longest, self.chip.now - self.fed)
