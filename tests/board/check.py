@@ -1,6 +1,19 @@
 """Runs the image of the NUCLEO-G474RE, unchanged, on an emulated chip, and holds it to what it promises.
 
 Arguments: the image, its version, canter.dbc.
+
+| file | what it holds |
+|---|---|
+| `chip` | memory, peripherals and time around the processor |
+| `processor` | the Cortex-M4F: exceptions and their priorities around unicorn |
+| `clocks` | clocks, resets, and peripherals that only hold what is written |
+| `timers` | TIM15, which is the image's clock, and the watchdog |
+| `flash` | the second bank, where parameters are kept |
+| `fdcan` | a CAN controller and its bus |
+| `host` | a host that speaks canter.dbc, and an ODrive |
+
+Whatever is used and not modelled ends the run, and so does what the chip's manual forbids: a protected
+register that is written, a peripheral without its clock, flash that was not erased.
 """
 
 import os
@@ -289,6 +302,9 @@ def main():
         f"{gap // 1000} us",
         "< 20 ms",
     )
+    used, size = chip.stack()
+    measured(f"{EMULATED} stack", f"{used} of {size} B", "< 3/4")
+    expect(4 * used < 3 * size, f"the stack takes {used} of {size} bytes")
     without_slots(image, database)
 
 

@@ -15,6 +15,7 @@ from timers import SECOND, Timer, Watchdog
 
 FLASH, RAM, RAM_SIZE = 0x08000000, 0x20000000, 128 * 1024
 UNIQUE_ID, FLASH_SIZE = 0x1FFF7590, 0x1FFF75E0
+ANYTHING = b"\xa5"
 MESSAGES = 0x4000A400
 # Where reads and writes are a peripheral's; the message RAM lies between.
 PERIPHERALS = [
@@ -23,6 +24,7 @@ PERIPHERALS = [
     (0x48000000, 0x2000),
     (0xE0000000, 0x100000),
 ]
+STACK_ENDS = ("__sheap", "_stack_start")  # names in the image
 BLOCK = 0x400  # every peripheral begins at a multiple of that
 
 SLICE = 85  # instructions
@@ -95,14 +97,24 @@ class Chip:
             unicorn.mmio_map(base, size, self._read, base, self._write, base)
         unicorn.mmio_map(BANK, BANK_SIZE, self._read_bank, None, self._write_bank, None)
         # After power-on, RAM holds anything.
-        unicorn.mem_write(RAM, b"\xa5" * RAM_SIZE)
+        unicorn.mem_write(RAM, ANYTHING * RAM_SIZE)
         unicorn.mem_write(UNIQUE_ID, unique_id)
         unicorn.mem_write(FLASH_SIZE, (512).to_bytes(2, "little"))
         unicorn.mem_write(FLASH, b"\xff" * (BANK - FLASH))
         with open(image, "rb") as file:
-            for segment in ELFFile(file).iter_segments("PT_LOAD"):
+            elf = ELFFile(file)
+            for segment in elf.iter_segments("PT_LOAD"):
                 if segment["p_filesz"]:
                     unicorn.mem_write(segment["p_paddr"], segment.data())
+            symbols = elf.get_section_by_name(".symtab")
+            ends = [symbols.get_symbol_by_name(name)[0] for name in STACK_ENDS]
+        self.stack_ends = [symbol["st_value"] for symbol in ends]
+
+    def stack(self):
+        """Bytes of the stack that were ever used, and that there are."""
+        low, high = self.stack_ends
+        used = self.memory(low, high - low).lstrip(ANYTHING)
+        return len(used), high - low
 
     def memory(self, address, size):
         """Bytes of memory."""
