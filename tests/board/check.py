@@ -24,6 +24,7 @@ import cantools
 from chip import Chip
 from clocks import Pins
 from host import MILLISECOND, Host, Odrive, Refused
+from timers import SECOND
 
 AXES = (1, 2, 3)
 EMULATED = "nucleo-g474re, emulated:"
@@ -174,6 +175,31 @@ def keeps_up(host):
     healthy(host, "switch on disabled")
 
 
+def follows(host):
+    """SYNCs that tell another time move the ticks to that time's whole milliseconds."""
+    chip = host.chip
+    ahead = 5 * SECOND + 400_000
+    begin = chip.now
+    for number in range(150):
+        host.send_sync(begin + number * 3_600_000, number % 256, ahead)
+    host.run(600)
+    host.listen()
+    host.run(100)
+    phases = [(at + ahead) % MILLISECOND for at, _ in host.heard("Feedback_1")]
+    expect(len(phases) >= 99, f"{len(phases)} reports came in 100 ms")
+    latest = max(phases)
+    measured(
+        f"{EMULATED} reports after a whole millisecond of bus time",
+        f"{min(phases) // 1000} to {latest // 1000} us",
+        "135 to 500 us",
+    )
+    # The clock is late by a SYNC's time on the bus, and the report by its own, 135 us each at most.
+    expect(
+        135_000 <= min(phases) and latest < 500_000,
+        "ticks are not at whole milliseconds",
+    )
+
+
 def saves(host):
     """Which drive axis 2 has is kept over a reset, and it is spoken to on the drives' bus."""
     chip = host.chip
@@ -292,6 +318,7 @@ def main():
     scans(host, version)
     moves(host)
     keeps_up(host)
+    follows(host)
     odrive = saves(host)
     forgets(host, odrive)
     comes_back(host)

@@ -35,6 +35,16 @@ class Host:
         message = self.database.get_message_by_name(name)
         send_at(self.bus, self.chip.now, message.frame_id, message.encode(fields))
 
+    def send_sync(self, at, counter, ahead):
+        """A SYNC at this time, or soon after; bus time is so many ns ahead of the chip's."""
+        message = self.database.get_message_by_name("Sync_all")
+
+        def data():
+            time = (self.chip.now + ahead) // 1000 / 1e6
+            return message.encode({"counter": counter, "time": time})
+
+        send_at(self.bus, at, message.frame_id, data)
+
     def beat(self, until):
         """Keeps the session alive until then."""
         message = self.database.get_message_by_name("HostHeartbeat_all")
