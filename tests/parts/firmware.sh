@@ -1,7 +1,8 @@
 # shellcheck shell=bash
-# The images of the boards, as they would be flashed, and their lints.
+# The images of the boards, as they would be flashed, and their lints; the default board's is run.
 source tests/lib/common.sh
 need_images
+need_python
 
 for board in nucleo-g474re nucleo-f446re nucleo-h743zi2; do
     image=(--package canter-firmware --no-default-features --features "$board" --bin "$board")
@@ -11,3 +12,8 @@ done
 
 say "tests"
 cargo test --locked --release --package canter-tests --test firmware -- --nocapture
+
+say "the image of nucleo-g474re on an emulated chip"
+package=$(cargo pkgid --locked --package canter-firmware)
+"$CANTER_PYTHON" -B tests/board/check.py "$CARGO_TARGET_DIR/thumbv7em-none-eabihf/firmware/nucleo-g474re" \
+    "${package##*[#@]}" canter.dbc

@@ -12,7 +12,7 @@ use canter_shared::node::Board;
 use cortex_m_rt::entry;
 use embassy_stm32::gpio::{Level, Output, Speed};
 use embassy_stm32::time::Hertz;
-use embassy_stm32::{Config, rcc};
+use embassy_stm32::{Config, pac, rcc};
 
 /// The board's crystal X3. CAN needs one: see `bit_timing` for what its nodes may differ by, and the
 /// chip's own RC oscillator strays 1 % over temperature.
@@ -21,6 +21,7 @@ const CRYSTAL: Hertz = Hertz(24_000_000);
 #[entry]
 fn main() -> ! {
     let board = embassy_stm32::init(clocks());
+    boost();
     let timing = const { BitTiming::new(CRYSTAL.0, BITRATE, can::MOST_QUANTA) };
     let drive_timing = const { BitTiming::new(CRYSTAL.0, DRIVE_BITRATE, can::MOST_QUANTA) };
     start(Parts {
@@ -59,4 +60,20 @@ fn clocks() -> Config {
     config.rcc.hsi48 = None;
     config.rcc.mux.fdcansel = rcc::mux::Fdcansel::HSE;
     config
+}
+
+/// Gives the core the voltage that it needs above 150 MHz: for that R1MODE is cleared, which is bit 8 of
+/// PWR_CR5 (RM0440). The library clears bit 0 (stm32-metapac 21.0), and resets what is written before it
+/// begins. So the processor is at 170 MHz some microseconds too early, once, on its way from there to here;
+/// from then on the order is the manual's: half of the frequency until the voltage is there.
+fn boost() {
+    pac::RCC
+        .cfgr()
+        .modify(|w| w.set_hpre(rcc::AHBPrescaler::DIV2));
+    pac::PWR.cr5().modify(|w| w.0 &= !(1 << 8));
+    // 2 us, where one is asked for.
+    cortex_m::asm::delay(170);
+    pac::RCC
+        .cfgr()
+        .modify(|w| w.set_hpre(rcc::AHBPrescaler::DIV1));
 }

@@ -11,8 +11,9 @@
 //! does. A node is saved only while all of its axes are without torque, so that a processor that stands
 //! still leads nothing astray.
 
+use canter_shared::parameter::flash::ERASED;
 use embassy_stm32::Peri;
-use embassy_stm32::flash::{Blocking, Error, Flash};
+use embassy_stm32::flash::{Blocking, Error, FLASH_SIZE, Flash};
 use embassy_stm32::peripherals::FLASH;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 
@@ -38,13 +39,39 @@ pub const SLOTS: u32 = 2048 * 1024 - 2 * SLOT;
 pub const SLOT: u32 = 128 * 1024;
 
 /// The chip's flash, with what this chip needs around it.
-pub struct ParameterFlash(Flash<'static, Blocking>);
+pub struct ParameterFlash(Peri<'static, FLASH>);
 
 impl ParameterFlash {
     /// The whole flash; only the slots are written.
     pub fn new(flash: Peri<'static, FLASH>) -> Self {
-        Self(Flash::new_blocking(flash))
+        Self(flash)
     }
+
+    /// The library's driver, which on an STM32G4 panics where the flash is one bank.
+    ///
+    /// # Errors
+    /// It is one bank: nothing can be kept.
+    fn driver(&mut self) -> Result<Flash<'_, Blocking>, Error> {
+        if has_slots() {
+            Ok(Flash::new_blocking(self.0.reborrow()))
+        } else {
+            Err(Error::Protected)
+        }
+    }
+}
+
+/// On the other chips there is nothing to choose.
+#[cfg(not(feature = "nucleo-g474re"))]
+fn has_slots() -> bool {
+    true
+}
+
+/// Whether the option bit DBANK is set, as the chip comes. Without it pages are other ones, and the
+/// processor would stand still while they are erased. The node does its work all the same, with its
+/// defaults; only a save is refused.
+#[cfg(feature = "nucleo-g474re")]
+fn has_slots() -> bool {
+    embassy_stm32::pac::FLASH.optr().read().dbank()
 }
 
 impl ErrorType for ParameterFlash {
@@ -55,11 +82,17 @@ impl ReadNorFlash for ParameterFlash {
     const READ_SIZE: usize = <Flash as ReadNorFlash>::READ_SIZE;
 
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Error> {
-        forgiving(|| self.0.blocking_read(offset, bytes))
+        match self.driver() {
+            Ok(mut driver) => forgiving(|| driver.blocking_read(offset, bytes)),
+            Err(_) => {
+                bytes.fill(ERASED);
+                Ok(())
+            }
+        }
     }
 
     fn capacity(&self) -> usize {
-        self.0.capacity()
+        FLASH_SIZE
     }
 }
 
@@ -69,11 +102,13 @@ impl NorFlash for ParameterFlash {
     const ERASE_SIZE: usize = SLOT as usize;
 
     fn erase(&mut self, from: u32, to: u32) -> Result<(), Error> {
-        standing_still(|| self.0.blocking_erase(from, to))
+        let mut driver = self.driver()?;
+        standing_still(|| driver.blocking_erase(from, to))
     }
 
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Error> {
-        standing_still(|| self.0.blocking_write(offset, bytes))
+        let mut driver = self.driver()?;
+        standing_still(|| driver.blocking_write(offset, bytes))
     }
 }
 

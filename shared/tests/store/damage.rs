@@ -68,6 +68,17 @@ fn an_erased_flash_is_no_loss() {
     assert_eq!(load(Memory::new()), Loaded::Empty);
 }
 
+/// As a programmer leaves it that fills the gaps of an image.
+#[test]
+fn a_flash_of_zeros_is_no_loss_and_can_be_saved_to() {
+    let mut memory = Memory::new();
+    memory.bytes_mut().fill(0);
+    let mut store = store(memory);
+    assert_eq!(store.load::<3>(), Loaded::Empty);
+    store.save(&image(9)).expect("it is kept");
+    assert_eq!(store.load(), Loaded::Image(image(9)));
+}
+
 #[test]
 fn what_does_not_fit_is_refused_and_what_was_there_stays() {
     let page = SLOT;

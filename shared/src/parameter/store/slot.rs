@@ -79,7 +79,9 @@ pub(super) fn look<F: ReadNorFlash>(flash: &mut F, start: u32, slot: u32) -> Slo
     if flash.read(start, &mut bytes).is_err() {
         return Slot::Broken;
     }
-    if bytes == [ERASED; HEADER] {
+    // Programmers that fill the gaps of an image, and emulators, leave 0 where nothing was written. No save,
+    // whole or cut short, makes a header of nothing but 0: there are bytes in it that stay erased.
+    if bytes == [ERASED; HEADER] || bytes == [0; HEADER] {
         return Slot::Erased;
     }
     let [_, _, _, _, _, _, _, _, g0, g1, g2, g3, l0, l1, l2, l3, ..] = bytes;
