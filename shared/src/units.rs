@@ -159,9 +159,45 @@ quantity!(
     "/s^3"
 );
 
+/// `value / 2^bits`, towards zero: where code is to be short, a compiler calls a division of 64 bits for it.
+#[inline(always)]
+pub(crate) const fn over_power_of_two(value: i64, bits: u32) -> i64 {
+    let below = (1 << bits) - 1;
+    (value + ((value >> 63) & below)) >> bits
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn powers_of_two_divide_towards_zero() {
+        for value in [
+            0,
+            1,
+            -1,
+            2,
+            -2,
+            3,
+            -3,
+            63,
+            -63,
+            64,
+            -64,
+            65,
+            -65,
+            i64::MIN,
+            i64::MAX - 63,
+        ] {
+            for bits in [0, 1, 6] {
+                assert_eq!(
+                    over_power_of_two(value, bits),
+                    value / (1 << bits),
+                    "{value} {bits}"
+                );
+            }
+        }
+    }
 
     #[test]
     fn one_turn_is_two_pi() {

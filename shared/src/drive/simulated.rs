@@ -2,7 +2,7 @@
 
 use super::{Condition, Drive, DriveCommand, DriveReport};
 use crate::time::Tick;
-use crate::units::{Position, Velocity};
+use crate::units::{Position, Velocity, over_power_of_two};
 
 /// Ticks between the order to enable and following.
 const ENABLE_TICKS: u8 = 2;
@@ -50,7 +50,7 @@ impl Drive for Simulated {
         }
         let error = (self.position - command.position).counts();
         // Division rounds towards zero, so that the error does reach it.
-        let left = Position::from_counts(error / (1 << FOLLOWING_SHIFT));
+        let left = Position::from_counts(over_power_of_two(error, FOLLOWING_SHIFT));
         self.position = command.position + left;
         self.velocity = command.velocity;
     }

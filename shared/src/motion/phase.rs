@@ -12,7 +12,7 @@ use super::Contribution;
 use super::fixed::{multiply, reciprocal, scale};
 use crate::limits::Limits;
 use crate::time::{LONGEST_MOVE, TICKS_PER_SECOND, Tick, Ticks};
-use crate::units::{COUNTS_PER_TURN, Position};
+use crate::units::{COUNTS_PER_TURN, Position, over_power_of_two};
 
 /// Bits behind the point of the position's coefficients.
 ///
@@ -245,7 +245,7 @@ impl Phase {
         };
         let position = [
             time.times(entry.velocity),
-            way(change) / 2,
+            over_power_of_two(way(change), 1),
             scale(way(time.times(ramp)), SIXTH),
         ];
         let (start, end) = (

@@ -73,7 +73,7 @@ impl Brake {
         let now = (speed << BITS) - lost;
         // What was lost may be 4 units more than that. So the way passed is never too long, and the
         // last step leads forward as well.
-        let mean = (speed << BITS) - lost / 2 - 3;
+        let mean = (speed << BITS) - (lost >> 1) - 3;
         let passed = scale(mean.saturating_mul(elapsed.into()), TICK) >> BITS;
         (
             position.saturating_add(sign * passed.min(self.room)),

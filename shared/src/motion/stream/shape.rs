@@ -4,6 +4,7 @@ use super::stretch::Place;
 use super::{Breach, LONGEST_PIECE};
 use crate::motion::fixed::{ALMOST_ONE, multiply, scale};
 use crate::time::TICKS_PER_SECOND;
+use crate::units::over_power_of_two;
 use core::num::NonZeroU32;
 
 /// Bits behind the point of a velocity. Over a curve of degree four that stays below 2^43 counts/s,
@@ -127,9 +128,9 @@ impl Cubic {
         Shape {
             velocity: [
                 v0,
-                (v0 + middle) / 2,
+                over_power_of_two(v0 + middle, 1),
                 SIXTH.divide(v0 + 4 * middle + v4),
-                (middle + v4) / 2,
+                over_power_of_two(middle + v4, 1),
                 v4,
             ],
             acceleration: [first, first - third, last + third, last],
