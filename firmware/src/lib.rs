@@ -10,6 +10,7 @@
 //! | `emulated` | what the emulated board has in their place |
 //! | [`bit_timing`] | how long a bit is, and where it is sampled |
 //! | [`crash`] | what is done about panics and hardware faults |
+//! | [`memory`] | copies and fills that take little flash |
 //! | [`node`] | the node that the tasks share, and the lock around it |
 //! | [`control`] | the 1 kHz task |
 //! | [`bus`] | the receive and the transmit task |
@@ -37,6 +38,7 @@ pub mod control;
 pub mod crash;
 #[cfg(feature = "emulated")]
 pub mod emulated;
+pub mod memory;
 pub mod node;
 pub mod planning;
 pub mod port;

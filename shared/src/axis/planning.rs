@@ -250,7 +250,8 @@ impl Axis {
     /// `lead` says how many ticks may pass until it is committed: it takes over that many after the
     /// last one, later where plans came too late. An owner that commits before it does anything
     /// else gives 0.
-    #[inline(never)]
+    // A plan is a kibibyte: without a call it is not handed on once more.
+    #[inline(always)]
     pub fn take_plan(&mut self, lead: Ticks) -> Option<Plan> {
         if let Some((job, _)) = self.planning.working.take_if(|(_, at)| *at < self.tick) {
             // Whoever has it still: it will come too late.

@@ -185,8 +185,7 @@ impl Shaper {
         }
         let shares = self.taps.iter().map(|tap| i64::from(tap.share));
         self.own = ((1 << SHARE_BITS) - shares.sum::<i64>()).min(i32::MAX.into()) as i32;
-        self.past = [self.last; CAPACITY];
-        self.unchanged = u32::MAX;
+        self.begin_anew();
         Ok(())
     }
 
@@ -196,7 +195,14 @@ impl Shaper {
             position,
             ..Setpoint::default()
         });
-        self.past = [self.last; CAPACITY];
+        self.begin_anew();
+    }
+
+    /// As if the last setpoint had been there for long.
+    #[inline(never)]
+    fn begin_anew(&mut self) {
+        let last = self.last;
+        self.past.fill(last);
         self.unchanged = u32::MAX;
     }
 
