@@ -4,6 +4,7 @@ mod emulated;
 mod image;
 mod target {
     mod clock;
+    mod crash;
 }
 
 use std::collections::BTreeMap;
