@@ -10,6 +10,7 @@ use std::net::TcpStream;
 pub struct Register(u8);
 
 impl Register {
+    pub const STACK_POINTER: Self = Self(13);
     pub const PROGRAM_COUNTER: Self = Self(15);
     const STATUS: Self = Self(25);
 

@@ -177,3 +177,32 @@ fn a_record_that_a_reset_cut_short_is_no_crash() {
         }
     }
 }
+
+/// Wherever the stack ends, whether in the middle of a task or as an interrupt begins.
+#[test]
+fn an_overflow_of_the_stack_resets_the_chip_before_anything_is_overwritten() {
+    // Of the configurable fault status register: an access that a region forbids, of the program's own or to
+    // keep registers for an interrupt.
+    const CFSR: u32 = 0xE000_ED28;
+    const FORBIDDEN: u32 = 1 << 1 | 1 << 4 | 1 << 5;
+    let mut run = Enabled::start();
+    let kept = run.symbols.address("5crash4KEPT");
+    let end = run.symbols.address("_stack_end");
+    let handler = run.symbols.address("HardFault");
+    for left in [0, 8, 40, 104, 232, 488] {
+        run.debugger.stop();
+        run.debugger.set(Register::STACK_POINTER, end + left);
+        run.debugger.break_at(handler);
+        run.debugger.go();
+        run.debugger.stopped();
+        let status = run.debugger.words(CFSR, 1)[0];
+        assert!(status & FORBIDDEN != 0, "{left} bytes left: {status:x}");
+        let record = run.debugger.words(kept, WORDS);
+        assert_eq!(record, [0; WORDS], "{left} bytes left");
+        run.debugger.break_no_more_at(handler);
+        run.debugger.go();
+        let why = format!("a stack of which {left} bytes were left");
+        run.comes_back_with(&why, Some(Fault::NodeHardFault));
+        run.enable();
+    }
+}
