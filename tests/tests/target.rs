@@ -5,6 +5,8 @@ mod image;
 mod target {
     mod clock;
     mod crash;
+    mod exercise;
+    mod stack;
 }
 
 use std::collections::BTreeMap;
