@@ -1,7 +1,6 @@
 //! The node's image for the emulated board, running: its CAN bus as SLCAN, and its drive port.
 
 pub mod debugger;
-pub mod elf;
 
 use std::io::{BufReader, ErrorKind, Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};

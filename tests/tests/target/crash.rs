@@ -11,8 +11,7 @@ use canter_shared::wire::report::Report;
 
 use crate::emulated::Emulated;
 use crate::emulated::debugger::{Debugger, Register};
-use crate::emulated::elf::Symbols;
-use crate::image;
+use crate::image::{self, elf::Symbols};
 
 /// The node's axes.
 const AXES: u8 = 3;

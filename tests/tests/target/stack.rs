@@ -4,8 +4,7 @@ use canter_tests::measurement;
 
 use super::exercise::Exercise;
 use crate::emulated::Emulated;
-use crate::emulated::elf::Symbols;
-use crate::image;
+use crate::image::{self, elf::Symbols};
 
 /// What no program of ours writes.
 const PAINT: u32 = 0xC0FF_EE5A;
@@ -21,7 +20,7 @@ const RESERVE: u32 = 32 * 1024;
 
 /// From the first instruction on, through all that a node can be asked.
 #[test]
-fn the_stack_of_the_smallest_board_is_twice_as_large_as_any_task_needs() {
+fn the_smallest_board_has_twice_the_stack_that_a_node_was_seen_to_need() {
     let (mut node, mut debugger) = Emulated::start_with_debugger();
     let symbols = Symbols::read(&image::path("emulated"));
     let end = symbols.address("_stack_end");
