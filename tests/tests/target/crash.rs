@@ -184,12 +184,17 @@ fn an_overflow_of_the_stack_resets_the_chip_before_anything_is_overwritten() {
     // keep registers for an interrupt.
     const CFSR: u32 = 0xE000_ED28;
     const FORBIDDEN: u32 = 1 << 1 | 1 << 4 | 1 << 5;
+    // `b .`, twice: waits for an interrupt and needs no stack itself.
+    const WAIT: u32 = 0xE7FE_E7FE;
     let mut run = Enabled::start();
     let kept = run.symbols.address("5crash4KEPT");
     let end = run.symbols.address("_stack_end");
     let handler = run.symbols.address("HardFault");
+    let free = run.symbols.address("__euninit");
     for left in [0, 8, 40, 104, 232, 488] {
-        run.debugger.stop();
+        run.debugger.stop_between_interrupts();
+        run.debugger.set_words(free, &[WAIT]);
+        run.debugger.jump(free);
         run.debugger.set(Register::STACK_POINTER, end + left);
         run.debugger.break_at(handler);
         run.debugger.go();
