@@ -24,9 +24,6 @@ impl Register {
 /// xPSR: the processor is in Thumb state, the only one that it has, and in no conditional block.
 const THUMB: u32 = 1 << 24;
 
-/// Of xPSR: the exception that is being answered, 0 for none.
-const EXCEPTION: u32 = 0x1FF;
-
 /// A debugger. The processor stands still unless [`Debugger::go`] was the last call.
 pub struct Debugger {
     stream: BufReader<TcpStream>,
@@ -96,29 +93,6 @@ impl Debugger {
         self.go();
         self.stopped();
         self.break_no_more_at(first);
-    }
-
-    /// Stops the processor while it waits for an interrupt.
-    ///
-    /// # Panics
-    /// When it is in one whenever it is looked at.
-    #[track_caller]
-    pub fn stop_between_interrupts(&mut self) {
-        for _ in 0..10_000 {
-            self.stop();
-            if self.register(Register::STATUS) & EXCEPTION == 0 {
-                return;
-            }
-            self.go();
-        }
-        panic!("the processor does nothing but answer interrupts");
-    }
-
-    /// What a register holds.
-    #[track_caller]
-    fn register(&mut self, register: Register) -> u32 {
-        let answer = self.ask(&format!("p{:x}", register.0));
-        words(&answer)[0]
     }
 
     /// Sets a register.

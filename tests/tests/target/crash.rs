@@ -177,23 +177,23 @@ fn a_record_that_a_reset_cut_short_is_no_crash() {
     }
 }
 
-/// Wherever the stack ends, whether in the middle of a task or as an interrupt begins.
+/// However much of the last step still fits.
 #[test]
 fn an_overflow_of_the_stack_resets_the_chip_before_anything_is_overwritten() {
     // Of the configurable fault status register: an access that a region forbids, of the program's own or to
     // keep registers for an interrupt.
     const CFSR: u32 = 0xE000_ED28;
     const FORBIDDEN: u32 = 1 << 1 | 1 << 4 | 1 << 5;
-    // `b .`, twice: waits for an interrupt and needs no stack itself.
-    const WAIT: u32 = 0xE7FE_E7FE;
+    // `push {r0-r7, lr}`, and back to it.
+    const RECURSE: u32 = 0xE7FD_B5FF;
     let mut run = Enabled::start();
     let kept = run.symbols.address("5crash4KEPT");
     let end = run.symbols.address("_stack_end");
     let handler = run.symbols.address("HardFault");
     let free = run.symbols.address("__euninit");
-    for left in [0, 8, 40, 104, 232, 488] {
-        run.debugger.stop_between_interrupts();
-        run.debugger.set_words(free, &[WAIT]);
+    for left in [0, 8, 16, 24, 40, 488] {
+        run.debugger.stop();
+        run.debugger.set_words(free, &[RECURSE]);
         run.debugger.jump(free);
         run.debugger.set(Register::STACK_POINTER, end + left);
         run.debugger.break_at(handler);
