@@ -2,7 +2,7 @@
 
 use std::{env, error::Error, fs, path::PathBuf};
 
-/// The boards: feature, and the memory of the chip.
+/// The boards: feature, and the memory of the chip. Of its RAM the stack has the beginning, see [`STACK`].
 const BOARDS: [(&str, &str); 4] = [
     // Half of the 512 KiB of flash: the processor can read one bank while the other is erased, so the
     // image is in the first and the parameters are in the second. RAM is SRAM1 and SRAM2; the CCM
@@ -12,7 +12,8 @@ const BOARDS: [(&str, &str); 4] = [
         "MEMORY
 {
   FLASH : ORIGIN = 0x08000000, LENGTH = 256K
-  RAM   : ORIGIN = 0x20000000, LENGTH = 96K
+  STACK : ORIGIN = 0x20000000, LENGTH = 64K
+  RAM   : ORIGIN = 0x20010000, LENGTH = 32K
 }
 ",
     ),
@@ -23,7 +24,8 @@ const BOARDS: [(&str, &str); 4] = [
         "MEMORY
 {
   FLASH : ORIGIN = 0x08000000, LENGTH = 512K
-  RAM   : ORIGIN = 0x20000000, LENGTH = 128K
+  STACK : ORIGIN = 0x20000000, LENGTH = 96K
+  RAM   : ORIGIN = 0x20018000, LENGTH = 32K
 }
 _stext = ORIGIN(FLASH) + 48K;
 ",
@@ -35,7 +37,8 @@ _stext = ORIGIN(FLASH) + 48K;
         "MEMORY
 {
   FLASH : ORIGIN = 0x08000000, LENGTH = 1024K
-  RAM   : ORIGIN = 0x20000000, LENGTH = 128K
+  STACK : ORIGIN = 0x20000000, LENGTH = 96K
+  RAM   : ORIGIN = 0x20018000, LENGTH = 32K
 }
 ",
     ),
@@ -45,11 +48,18 @@ _stext = ORIGIN(FLASH) + 48K;
         "MEMORY
 {
   FLASH : ORIGIN = 0x08000000, LENGTH = 1024K
-  RAM   : ORIGIN = 0x20000000, LENGTH = 128K
+  STACK : ORIGIN = 0x20000000, LENGTH = 64K
+  RAM   : ORIGIN = 0x20010000, LENGTH = 64K
 }
 ",
     ),
 ];
+
+/// One that grows too large runs out of RAM, and not into the variables: see src/crash.rs.
+const STACK: &str = "_stack_end = ORIGIN(STACK);
+_stack_start = ORIGIN(STACK) + LENGTH(STACK);
+ASSERT(_stack_start == ORIGIN(RAM), \"RAM must begin where the stack ends\");
+";
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo:rerun-if-changed=build.rs");
@@ -58,7 +68,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     // With none or several the crate's root says what is wrong.
     let memory = BOARDS.into_iter().find(|(feature, _)| has(feature));
     let out = PathBuf::from(env::var_os("OUT_DIR").ok_or("cargo sets OUT_DIR")?);
-    fs::write(out.join("chip.x"), memory.map_or("", |(_, memory)| memory))?;
+    fs::write(
+        out.join("chip.x"),
+        memory.map_or(String::new(), |(_, memory)| memory.to_owned() + STACK),
+    )?;
     println!("cargo:rustc-link-search={}", out.display());
 
     // Without --nmagic the linker aligns sections to pages of 64 KiB, which no flash here has.

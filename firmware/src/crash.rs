@@ -4,14 +4,19 @@
 //! comes back with its axes disabled and a fault that tells why. Stopping here instead would keep the
 //! state for a debugger that is hardly ever there, and take the axes off the bus until somebody pulls
 //! the plug.
+//!
+//! The stack is at the beginning of RAM and the variables are behind it, so that one that grows too large
+//! runs out of RAM and not into them. What is there belongs to the chip and not to the processor's
+//! architecture (reserved addresses, an STM32G4's option bytes), so [`guard_stack`] forbids it.
 
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 use core::panic::PanicInfo;
 
 use canter_shared::node::restart::{Crash, Restart};
-use cortex_m::peripheral::SCB;
-use cortex_m_rt::{ExceptionFrame, exception};
+use cortex_m::asm;
+use cortex_m::peripheral::{MPU, SCB};
+use cortex_m_rt::exception;
 
 /// Words that neither a reset nor the start-up code touches.
 struct Kept(UnsafeCell<MaybeUninit<[u32; 4]>>);
@@ -34,6 +39,35 @@ pub fn take() -> Option<Crash> {
     Crash::from_words(words)
 }
 
+unsafe extern "C" {
+    /// The stack's lowest byte, which is RAM's: from the linker script.
+    static _stack_end: u8;
+    /// What is right behind the stack.
+    static _stack_start: u8;
+}
+
+/// Forbids the 32 KiB below the stack, more than any function has on it: to touch them is a hard fault.
+///
+/// Nothing else is there that the firmware reads: the chip's own id is farther away.
+pub fn guard_stack() {
+    /// 0x1FFF_8000, as region 0.
+    const BELOW_RAM: u32 = 0x1FFF_8000 | 1 << 4;
+    /// No access, no code, 2^(14 + 1) bytes, enabled.
+    const FORBIDDEN: u32 = 1 << 28 | 14 << 1 | 1;
+    /// Enabled, but not for the hard fault itself; everything else is as without regions.
+    const ENABLED: u32 = 1 << 2 | 1;
+
+    // SAFETY: nobody else uses these registers, and what is allowed afterwards is all that is there.
+    unsafe {
+        let mpu = &*MPU::PTR;
+        mpu.rbar.write(BELOW_RAM);
+        mpu.rasr.write(FORBIDDEN);
+        mpu.ctrl.write(ENABLED);
+    }
+    asm::dsb();
+    asm::isb();
+}
+
 /// Keeps why, and resets the chip.
 fn end(restart: Restart, place: u32) -> ! {
     let words = Crash { restart, place }.words();
@@ -53,11 +87,33 @@ fn panic(info: &PanicInfo) -> ! {
     end(Restart::Panic, line)
 }
 
-#[exception]
-unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
+/// The stack may be what failed, so this takes all of it anew: nobody returns to what was on it.
+// SAFETY: this is the name that the vector table asks for, and a handler with what it needs.
+#[unsafe(export_name = "HardFault")]
+#[unsafe(naked)]
+unsafe extern "C" fn hard_fault() -> ! {
+    core::arch::naked_asm!(
+        "mrs r0, msp",
+        "movw r1, #:lower16:_stack_start",
+        "movt r1, #:upper16:_stack_start",
+        "msr msp, r1",
+        "b {}",
+        sym after_hard_fault,
+    )
+}
+
+/// `frame` is where the processor has put its registers, or would have, had the stack not been full.
+extern "C" fn after_hard_fault(frame: *const [u32; 8]) -> ! {
+    let stack = (&raw const _stack_end).addr()..(&raw const _stack_start).addr();
+    let place = if stack.contains(&frame.addr()) {
+        // SAFETY: it is on the stack and so in RAM; the program counter is the last but one of eight.
+        unsafe { (&raw const (*frame)[6]).read_volatile() }
+    } else {
+        frame.addr() as u32
+    };
     #[cfg(feature = "stm32")]
-    defmt::error!("hard fault at {:x}", frame.pc());
-    end(Restart::HardFault, frame.pc())
+    defmt::error!("hard fault at {:x}", place);
+    end(Restart::HardFault, place)
 }
 
 #[exception]

@@ -3,6 +3,10 @@
 //! The numbers are kept in tests/snapshots/firmware-sizes.txt, so that a change that makes an
 //! image grow shows it. CANTER_UPDATE_SNAPSHOTS=1 writes the file anew.
 
+mod firmware {
+    mod frame;
+    mod stack;
+}
 mod image;
 
 use std::fs;

@@ -4,6 +4,9 @@ mod emulated;
 mod image;
 mod target {
     mod clock;
+    mod crash;
+    mod exercise;
+    mod stack;
 }
 
 use std::collections::BTreeMap;

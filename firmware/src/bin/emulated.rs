@@ -53,6 +53,7 @@ fn main() -> ! {
     let Some(mut core) = cortex_m::Peripherals::take() else {
         SCB::sys_reset()
     };
+    crash::guard_stack();
     time::start(core.SYST);
     let (receiver, transmitter, monitor) = slcan::start();
     let mut store = storage::store(Memory::new(), 0, SLOT);

@@ -54,6 +54,7 @@ static MONITOR: StaticCell<Both<Controller>> = StaticCell::new();
 
 /// Starts the node, which then lives in interrupts.
 pub fn start(mut parts: Parts) {
+    crash::guard_stack();
     let restart = why();
     let mut store = storage::store(parts.flash, SLOTS, SLOT);
     let loaded = storage::load(&mut store);

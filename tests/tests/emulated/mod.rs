@@ -1,7 +1,9 @@
 //! The node's image for the emulated board, running: its CAN bus as SLCAN, and its drive port.
 
-use std::io::{BufReader, Read, Write};
-use std::net::{TcpListener, TcpStream};
+pub mod debugger;
+
+use std::io::{BufReader, ErrorKind, Read, Write};
+use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::process::Command;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -16,6 +18,7 @@ use canter_tests::PATIENCE;
 use canter_tests::process::{Finished, Process};
 
 use crate::image;
+use debugger::Debugger;
 
 /// What every record of the drive port starts with.
 const MAGIC: u16 = 0xCA7E;
@@ -66,26 +69,31 @@ pub struct Emulated {
     _machine: Process,
 }
 
-/// Starts the image with these serial ports: its bus and its drive port.
+/// The emulator, with these serial ports of the image: its bus and its drive port.
 ///
 /// Its clock is this machine's: without `-icount`, so that idle time is spent and not simulated.
+fn emulator(bus: &str, drive: &str) -> Command {
+    let mut emulator = Command::new("qemu-system-arm");
+    emulator
+        .args(["-M", "netduinoplus2", "-kernel"])
+        .arg(image::path("emulated"))
+        .args(["-nographic", "-monitor", "none"])
+        .args(["-serial", bus, "-serial", drive]);
+    emulator
+}
+
+/// Starts the image, for tests in which it never resets itself.
 fn machine(bus: &str, drive: &str) -> Process {
-    Process::spawn(
-        Command::new("qemu-system-arm")
-            .args(["-M", "netduinoplus2", "-kernel"])
-            .arg(image::path("emulated"))
-            .args(["-nographic", "-monitor", "none", "-no-reboot"])
-            .args(["-serial", bus, "-serial", drive]),
-    )
+    Process::spawn(emulator(bus, drive).arg("-no-reboot"))
 }
 
 /// A port for QEMU to connect to: none to guess, and no moment to wait for.
-fn listen() -> (TcpListener, String) {
+fn listen() -> (TcpListener, SocketAddr) {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port of our own");
     let address = listener
         .local_addr()
         .expect("a bound socket has an address");
-    (listener, format!("tcp:{address}"))
+    (listener, address)
 }
 
 fn accept(listener: &TcpListener) -> TcpStream {
@@ -108,19 +116,42 @@ impl Emulated {
     pub fn start() -> Self {
         let (bus, bus_port) = listen();
         // QEMU sends byte by byte, and each counts at once.
-        let machine = machine(&(bus_port + ",nodelay=on"), "none");
+        let machine = machine(&format!("tcp:{bus_port},nodelay=on"), "none");
+        Self::booted(accept(&bus), machine)
+    }
+
+    /// Starts the image with a debugger at its processor; it runs, and it may reset itself.
+    pub fn start_with_debugger() -> (Self, Debugger) {
+        let (bus, bus_port) = listen();
+        let (debugger, address) = listen();
+        let (host, port) = (address.ip(), address.port());
+        let machine = Process::spawn(
+            emulator(&format!("tcp:{bus_port},nodelay=on"), "null")
+                .arg("-chardev")
+                .arg(format!(
+                    "socket,id=debugger,host={host},port={port},nodelay=on"
+                ))
+                .args(["-gdb", "chardev:debugger"]),
+        );
+        let mut debugger = Debugger::attach(accept(&debugger));
+        debugger.go();
+        (Self::booted(accept(&bus), machine), debugger)
+    }
+
+    fn booted(bus: TcpStream, machine: Process) -> Self {
         let mut node = Self {
-            bus: accept(&bus),
+            bus,
             decoder: Decoder::new(),
             _machine: machine,
         };
-        // Bytes that come before it has switched its UART on are dropped, as on a real chip: it is
-        // asked for its version until it answers.
         node.wait_for_boot();
         node
     }
 
+    /// Waits until the image answers.
     fn wait_for_boot(&mut self) {
+        // Bytes that come before it has switched its UART on are dropped, as on a real chip: it is
+        // asked for its version until it answers.
         let patient = self.bus.set_read_timeout(Some(Duration::from_millis(100)));
         patient.expect("a socket takes its options");
         let given_up = Instant::now() + PATIENCE;
@@ -153,6 +184,41 @@ impl Emulated {
     pub fn say(&mut self, address: Address, command: Say) {
         let frame = command.encode(address).expect("a command that fits");
         self.write(&encode(&frame));
+    }
+
+    /// What the node reports from now on, until `wanted` has been given what it waits for. A reset may have cut
+    /// a line, and closes the channel: what cannot be read is passed over, and the channel opened again.
+    #[track_caller]
+    pub fn report_over_resets(
+        &mut self,
+        what: &str,
+        mut wanted: impl FnMut(AxisId, Report) -> bool,
+    ) {
+        let patient = self.bus.set_read_timeout(Some(Duration::from_millis(100)));
+        patient.expect("a socket takes its options");
+        let given_up = Instant::now() + PATIENCE;
+        let mut byte = [0];
+        loop {
+            assert!(Instant::now() < given_up, "{what} does not come");
+            match self.bus.read_exact(&mut byte) {
+                Ok(()) => {}
+                Err(error)
+                    if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) =>
+                {
+                    self.write(b"O\r");
+                    continue;
+                }
+                Err(error) => panic!("the node's bus: {error}"),
+            }
+            if let Some(Ok(Line::Frame(frame))) = self.decoder.push(byte[0])
+                && let Ok(Some((axis, report))) = Report::decode(&frame)
+                && wanted(axis, report)
+            {
+                break;
+            }
+        }
+        let patient = self.bus.set_read_timeout(Some(PATIENCE));
+        patient.expect("a socket takes its options");
     }
 
     /// The next report that the node sends.
@@ -201,12 +267,11 @@ pub struct Served {
 impl Served {
     /// Starts the image and keeps all that its drive port says.
     pub fn start() -> Self {
-        let (free, _) = listen();
-        let bus = free.local_addr().expect("a bound socket has an address");
+        let (free, bus) = listen();
         drop(free);
         let (drive, drive_port) = listen();
         let bus_port = format!("tcp:{bus},server=on,wait=off,nodelay=on");
-        let machine = machine(&bus_port, &drive_port);
+        let machine = machine(&bus_port, &format!("tcp:{drive_port}"));
         let log = Arc::new(Log::default());
         let mut drive = BufReader::new(accept(&drive));
         // The first record says that the image has booted.

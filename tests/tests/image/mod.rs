@@ -1,5 +1,7 @@
 //! The images that tests/run has built for the device.
 
+pub mod elf;
+
 use std::path::PathBuf;
 
 use canter_tests::root;
