@@ -9,12 +9,12 @@
 //! runs out of RAM and not into them. What is there belongs to the chip and not to the processor's
 //! architecture (reserved addresses, an STM32G4's option bytes), so [`guard_stack`] forbids it.
 
+use core::arch::asm;
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 use core::panic::PanicInfo;
 
 use canter_shared::node::restart::{Crash, Restart};
-use cortex_m::asm;
 use cortex_m::peripheral::{MPU, SCB};
 use cortex_m_rt::exception;
 
@@ -64,8 +64,8 @@ pub fn guard_stack() {
         mpu.rasr.write(FORBIDDEN);
         mpu.ctrl.write(ENABLED);
     }
-    asm::dsb();
-    asm::isb();
+    cortex_m::asm::dsb();
+    cortex_m::asm::isb();
 }
 
 /// Keeps why, and resets the chip.
@@ -77,14 +77,62 @@ fn end(restart: Restart, place: u32) -> ! {
     SCB::sys_reset()
 }
 
+/// What a panic says, and the files and lines that it could say it of, would be 12 KiB of an image. So nothing
+/// looks at them, and none of it is in there: the place is an address, which `addr2line` turns into a line.
 #[panic_handler]
-fn panic(info: &PanicInfo) -> ! {
-    let line = info.location().map_or(0, |location| {
-        #[cfg(feature = "stm32")]
-        defmt::error!("panic at {}:{}", location.file(), location.line());
-        location.line()
-    });
-    end(Restart::Panic, line)
+fn panic(_: &PanicInfo) -> ! {
+    let place = panicked_at();
+    #[cfg(feature = "stm32")]
+    defmt::error!("panic at {:x}", place);
+    end(Restart::Panic, place)
+}
+
+/// Where a panic's call came from, by the chain of frames that begins with register 7.
+///
+/// Between that and here are functions that do nothing but call the next one.
+fn panicked_at() -> u32 {
+    /// More than there ever are.
+    const RELAYS: usize = 8;
+    let mut frame: *const [u32; 2];
+    // SAFETY: it only reads a register.
+    unsafe { asm!("mov {}, r7", out(reg) frame, options(nomem, nostack, preserves_flags)) };
+    let mut place = 0;
+    for _ in 0..RELAYS {
+        if !is_on_stack(frame.addr()) || !frame.is_aligned() {
+            break;
+        }
+        // SAFETY: it is on the stack and so in RAM.
+        let [outer, back] = unsafe { frame.read_volatile() };
+        place = back;
+        if !is_relay(back) {
+            break;
+        }
+        frame = outer as *const [u32; 2];
+    }
+    place
+}
+
+/// Whether the function that a call returns to begins with that call: `push {r7, lr}`, `mov r7, sp`, perhaps
+/// a number for it, and the four bytes of the call.
+fn is_relay(back: u32) -> bool {
+    const BEGINS: [u16; 2] = [0xB580, 0x466F];
+    unsafe extern "C" {
+        static __stext: u8;
+        static __etext: u8;
+    }
+    let code = (&raw const __stext).addr()..(&raw const __etext).addr();
+    // Without the bit that tells Thumb code.
+    let back = back as usize & !1;
+    [8, 10].into_iter().any(|before| {
+        let begins = back.wrapping_sub(before);
+        // SAFETY: it is code, and so in flash.
+        code.contains(&begins) && unsafe { (begins as *const [u16; 2]).read_volatile() } == BEGINS
+    })
+}
+
+fn is_on_stack(address: usize) -> bool {
+    let stack = (&raw const _stack_end).addr()..(&raw const _stack_start).addr();
+    stack.contains(&address)
 }
 
 /// The stack may be what failed, so this takes all of it anew: nobody returns to what was on it.
@@ -104,8 +152,7 @@ unsafe extern "C" fn hard_fault() -> ! {
 
 /// `frame` is where the processor has put its registers, or would have, had the stack not been full.
 extern "C" fn after_hard_fault(frame: *const [u32; 8]) -> ! {
-    let stack = (&raw const _stack_end).addr()..(&raw const _stack_start).addr();
-    let place = if stack.contains(&frame.addr()) {
+    let place = if is_on_stack(frame.addr()) {
         // SAFETY: it is on the stack and so in RAM; the program counter is the last but one of eight.
         unsafe { (&raw const (*frame)[6]).read_volatile() }
     } else {

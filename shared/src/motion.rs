@@ -80,8 +80,9 @@ pub const OVERLAID_MOVES: usize = 2;
 /// One beta move more than may be under way: it waits for the others to end.
 const BETAS: usize = OVERLAID_MOVES + 1;
 
-/// Phases that the base may hold: the longest chain, and what is left of another before it.
-const PHASES: usize = MOST_PHASES + 2;
+/// Phases that the base may hold: the longest chain, and five that are left of another before it. Where more
+/// are left, what is asked for leaves at once.
+const PHASES: usize = MOST_PHASES + 5;
 
 /// What an axis is told to do at one tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -31,8 +31,8 @@ impl Restart {
 pub struct Crash {
     /// Why.
     pub restart: Restart,
-    /// Where: a panic's line, a hard fault's program counter, or the number of an interrupt; where the stack
-    /// was, if it was full.
+    /// Where: the address that a panic was called from, a hard fault's program counter, or the number of an
+    /// interrupt; where the stack was, if it was full.
     pub place: u32,
 }
 

@@ -11,6 +11,7 @@ pub struct Register(u8);
 
 impl Register {
     pub const STACK_POINTER: Self = Self(13);
+    pub const LINK: Self = Self(14);
     pub const PROGRAM_COUNTER: Self = Self(15);
     const STATUS: Self = Self(25);
 

@@ -124,6 +124,27 @@ fn a_panic_resets_the_chip_and_the_node_says_so() {
     run.comes_back_with("a reset from outside", None);
 }
 
+/// The library's functions that panic only call each other: whoever called the first of them is meant.
+#[test]
+fn a_panic_keeps_where_it_was_called_from() {
+    let mut run = Enabled::start();
+    let kept = run.symbols.address("5crash4KEPT");
+    let first = run.symbols.address("Reset");
+    // A return address in code, as a call from there leaves it.
+    let caller = run.symbols.address("HardFault") + 4 | 1;
+    run.debugger.stop();
+    run.debugger.break_at(first);
+    for panics in ["9panicking9panic_fmt", "4cell22panic_already_borrowed"] {
+        run.debugger.set(Register::LINK, caller);
+        let panics = run.symbols.address(panics);
+        run.debugger.jump(panics);
+        run.debugger.go();
+        run.debugger.stopped();
+        let words = run.debugger.words(kept, WORDS);
+        assert_eq!(words[2], caller, "{panics:x}: {words:x?}");
+    }
+}
+
 #[test]
 fn a_hard_fault_resets_the_chip_and_the_node_says_so() {
     // `ldr r0, [r1]`, and behind it a loop, which is not come to.
