@@ -118,6 +118,7 @@ impl Curve {
     }
 
     /// The least and greatest values from `from` to `to`, with the values there.
+    #[inline(always)]
     fn bounds(&self, from: f32, to: f32, first: &Rates, last: &Rates) -> Bounds {
         let mut bounds = Bounds {
             velocity: Range::of(first.velocity, last.velocity),

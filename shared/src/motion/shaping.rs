@@ -31,6 +31,10 @@ use heapless::Vec;
 /// period of 192 ms is 2.6 Hz for ZV, a whole one 5.2 Hz for ZVD and EI.
 pub const CAPACITY: usize = 192;
 
+/// As many as are filled in with one copy.
+const FEW: usize = 16;
+const _: () = assert!(CAPACITY.is_multiple_of(FEW));
+
 /// Bits behind the point of a sum of positions. Each of five products is at most 3 units too low,
 /// together 15 of 256: rounded to the nearest, a mean of integers stays between the least and the
 /// greatest of them.
@@ -201,8 +205,10 @@ impl Shaper {
     /// As if the last setpoint had been there for long.
     #[inline(never)]
     fn begin_anew(&mut self) {
-        let last = self.last;
-        self.past.fill(last);
+        let few = [self.last; FEW];
+        for past in self.past.chunks_exact_mut(FEW) {
+            past.copy_from_slice(&few);
+        }
         self.unchanged = u32::MAX;
     }
 

@@ -15,6 +15,10 @@ pub mod scenario;
 
 #[cfg(target_arch = "arm")]
 mod machine;
+// What the product's images copy with: it counts in every figure.
+#[cfg(target_arch = "arm")]
+#[path = "../../../firmware/src/memory.rs"]
+mod memory;
 #[cfg(target_arch = "arm")]
 mod spread;
 
