@@ -378,7 +378,11 @@ fn streams_and_shapers_keep_their_budget_of_instructions() {
         holds(&results, &format!("stream.{name}.push.most"), 1_600);
         // No frame carries knots with accelerations, so that nobody can send hostile ones.
         let hostile = if name == "quintic" { 12_000 } else { 8_000 };
-        holds(&results, &format!("stream.hostile_{name}.push.most"), hostile);
+        holds(
+            &results,
+            &format!("stream.hostile_{name}.push.most"),
+            hostile,
+        );
         // Some of the hostile knots must have been taken on, or only refusals were measured.
         let accepted = results[&format!("stream.hostile_{name}.accepted")];
         assert!(accepted > 1_000, "{results:?}");
