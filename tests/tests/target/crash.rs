@@ -131,7 +131,7 @@ fn a_panic_keeps_where_it_was_called_from() {
     let kept = run.symbols.address("5crash4KEPT");
     let first = run.symbols.address("Reset");
     // A return address in code, as a call from there leaves it.
-    let caller = run.symbols.address("HardFault") + 4 | 1;
+    let caller = (run.symbols.address("HardFault") + 4) | 1;
     run.debugger.stop();
     run.debugger.break_at(first);
     for panics in ["9panicking9panic_fmt", "4cell22panic_already_borrowed"] {
