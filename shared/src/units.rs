@@ -110,6 +110,7 @@ macro_rules! quantity {
         impl Sub for $name {
             type Output = Self;
             /// Saturates: a difference that does not fit stays at the edge.
+            #[inline(never)]
             fn sub(self, other: Self) -> Self {
                 Self(self.0.saturating_sub(other.0))
             }
@@ -159,6 +160,21 @@ quantity!(
     "/s^3"
 );
 
+/// The whole part of `value`: at an end where it does not fit, and 0 for what is no number. A processor without
+/// f64 does this with a hundred bytes of code wherever it stands.
+#[inline(never)]
+pub(crate) fn whole(value: f64) -> i64 {
+    value as i64
+}
+
+/// The greatest whole number that is not above `value`: at an end where it does not fit, and 0 for what is no
+/// number. As the library's, in a third of its code.
+#[inline(never)]
+pub(crate) fn floor(value: f64) -> i64 {
+    let whole = whole(value);
+    whole.saturating_sub(i64::from(whole as f64 > value))
+}
+
 /// `value / 2^bits`, towards zero: where code is to be short, a compiler calls a division of 64 bits for it.
 #[inline(always)]
 pub(crate) const fn over_power_of_two(value: i64, bits: u32) -> i64 {
@@ -169,6 +185,28 @@ pub(crate) const fn over_power_of_two(value: i64, bits: u32) -> i64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn floor_is_the_librarys() {
+        let whole = [
+            0.0,
+            1.0,
+            2.0,
+            1e9,
+            9_007_199_254_740_992.0,
+            9.3e18,
+            f64::INFINITY,
+            f64::NAN,
+        ];
+        for value in whole
+            .iter()
+            .flat_map(|whole| [-0.5, -1e-300, 0.0, 0.5].map(|part| whole + part))
+        {
+            for value in [value, -value] {
+                assert_eq!(floor(value), libm::floor(value) as i64, "{value}");
+            }
+        }
+    }
 
     #[test]
     fn powers_of_two_divide_towards_zero() {

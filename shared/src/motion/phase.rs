@@ -12,7 +12,7 @@ use super::Contribution;
 use super::fixed::{multiply, reciprocal, scale};
 use crate::limits::Limits;
 use crate::time::{LONGEST_MOVE, TICKS_PER_SECOND, Tick, Ticks};
-use crate::units::{COUNTS_PER_TURN, Position, over_power_of_two};
+use crate::units::{COUNTS_PER_TURN, Position, over_power_of_two, whole};
 
 /// Bits behind the point of the position's coefficients.
 ///
@@ -368,7 +368,7 @@ impl Phase {
                     if u > 0.0 && u < 1.0 {
                         let [d1, d2, d3] = self.position.map(|coefficient| coefficient as f64);
                         let moved = u * (d1 + u * (d2 + u * d3));
-                        let place = self.from.saturating_add(moved as i64);
+                        let place = self.from.saturating_add(whole(moved));
                         reach = (reach.0.min(place), reach.1.max(place));
                     }
                 }

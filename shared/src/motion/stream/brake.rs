@@ -6,7 +6,7 @@
 use crate::limits::Limits;
 use crate::motion::fixed::{ALMOST_ONE, scale};
 use crate::time::{TICKS_PER_SECOND, Ticks};
-use crate::units::Position;
+use crate::units::{Position, whole};
 
 /// Bits behind the point of a speed. A velocity limit is below 2^43 counts/s, so what was lost of
 /// it, d n, is below 1000 * 2^43 < 2^53. The way is at most the longest travel, 2000 turns or 2^43
@@ -89,7 +89,7 @@ impl Brake {
     fn way(&self, speed: i64) -> i64 {
         let speed = speed as f64;
         let way = speed * speed / (2.0 * self.deceleration as f64);
-        (way as i64).min(self.room)
+        whole(way).min(self.room)
     }
 }
 
