@@ -160,6 +160,12 @@ quantity!(
     "/s^3"
 );
 
+/// The product, and what does not fit cut to the nearer end. On a processor of 32 bits that is long.
+#[inline(never)]
+pub(crate) const fn product(value: i64, factor: i64) -> i64 {
+    value.saturating_mul(factor)
+}
+
 /// The whole part of `value`: at an end where it does not fit, and 0 for what is no number. A processor without
 /// f64 does this with a hundred bytes of code wherever it stands.
 #[inline(never)]
