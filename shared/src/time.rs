@@ -42,6 +42,7 @@ impl LocalTime {
 
 impl BusTime {
     /// The first tick that is not before this instant.
+    #[inline(never)]
     pub const fn next_tick(self) -> Tick {
         Tick(self.0.div_ceil(MICROSECONDS_PER_TICK))
     }
@@ -49,6 +50,7 @@ impl BusTime {
 
 impl Tick {
     /// The instant of the tick.
+    #[inline(never)]
     pub const fn time(self) -> BusTime {
         BusTime(self.0.saturating_mul(MICROSECONDS_PER_TICK))
     }

@@ -94,6 +94,7 @@ macro_rules! quantity {
             }
 
             /// The magnitude; `i64::MIN` gives `i64::MAX`.
+            #[inline(never)]
             pub const fn abs(self) -> Self {
                 Self(self.0.saturating_abs())
             }
@@ -102,6 +103,7 @@ macro_rules! quantity {
         impl Add for $name {
             type Output = Self;
             /// Saturates: a sum that does not fit stays at the edge.
+            #[inline(never)]
             fn add(self, other: Self) -> Self {
                 Self(self.0.saturating_add(other.0))
             }

@@ -121,7 +121,7 @@ impl Scale {
         let drive = u128::from(gear) * u128::from(units);
         let axis = u128::from(UNIT_GEAR) * COUNTS_PER_TURN as u128;
         let direction = if reversed { -1.0 } else { 1.0 };
-        let gear = direction * gear as f64 / UNIT_GEAR as f64;
+        let gear = direction * gear as i64 as f64 / UNIT_GEAR as f64;
         let turn = COUNTS_PER_TURN as f64;
         let velocity = gear * f64::from(1 << VELOCITY_BITS) / turn;
         let radians = f64::from(1 << ACCELERATION_BITS) * TAU / turn;

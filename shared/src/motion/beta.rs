@@ -120,7 +120,7 @@ impl Beta {
         let duration = Ticks(duration.0.max(1));
         let seconds = duration.seconds();
         let range = range.counts();
-        let magnitude = range.unsigned_abs() as f64;
+        let magnitude = range.saturating_abs() as f64;
         Self {
             start,
             duration,
@@ -174,7 +174,7 @@ impl Beta {
     /// The largest jerk of the move, without its sign.
     pub fn peak_jerk(&self) -> Jerk {
         let seconds = self.duration.seconds();
-        let magnitude = self.range.unsigned_abs() as f64;
+        let magnitude = self.range.saturating_abs() as f64;
         let peak = PEAK_JERK * magnitude / (seconds * seconds * seconds);
         Jerk::from_counts(whole(peak))
     }

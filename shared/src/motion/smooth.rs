@@ -127,8 +127,12 @@ impl Commanded {
             acceleration,
             ..Sample::default()
         };
-        if self.steps && acceleration != 0.0 {
-            let speeds_up = velocity == 0.0 || (velocity > 0.0) == (acceleration > 0.0);
+        let (v, a) = (
+            self.state.velocity.counts(),
+            self.state.acceleration.counts(),
+        );
+        if self.steps && a != 0 {
+            let speeds_up = v == 0 || (v > 0) == (a > 0);
             let room = if speeds_up {
                 (bounds.velocity() - velocity.abs()).max(0.0)
             } else {
@@ -181,7 +185,7 @@ impl Commanded {
     /// Lays a chain to rest as quickly as the limits allow, with a multiple of the jerk limit; with
     /// an infinite one the acceleration steps.
     pub(crate) fn stop(&self, chain: &mut Chain, limits: &Limits, times: f64) -> Option<()> {
-        if times == f64::INFINITY {
+        if times > f64::MAX {
             let velocity = turns(self.state.velocity.counts());
             let braking = Change::braking(velocity, turns(limits.deceleration().counts()));
             chain.lay(&braking.pieces(0.0), None)?;

@@ -176,11 +176,19 @@ pub struct Impulse {
 pub type Impulses = Vec<Impulse, MOST_IMPULSES>;
 
 /// A shaper for one mode.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub struct Shaping {
     kind: ShaperKind,
     frequency: f64,
     damping: f64,
+}
+
+// By their bits: neither is a NaN, and a zero of another sign would only be shaped for again.
+impl PartialEq for Shaping {
+    fn eq(&self, other: &Self) -> bool {
+        let bits = |shaping: &Self| (shaping.frequency.to_bits(), shaping.damping.to_bits());
+        self.kind == other.kind && bits(self) == bits(other)
+    }
 }
 
 /// A whole number of ticks, and a part of the whole.
