@@ -65,11 +65,8 @@ impl Tick {
     #[inline(never)]
     pub const fn since(self, earlier: Self) -> Ticks {
         let ticks = self.0.saturating_sub(earlier.0);
-        Ticks(if ticks > u32::MAX as u64 {
-            u32::MAX
-        } else {
-            ticks as u32
-        })
+        let fits = ticks >> 32 == 0;
+        Ticks(if fits { ticks as u32 } else { u32::MAX })
     }
 }
 

@@ -96,7 +96,8 @@ macro_rules! quantity {
             /// The magnitude; `i64::MIN` gives `i64::MAX`.
             #[inline(never)]
             pub const fn abs(self) -> Self {
-                Self(self.0.saturating_abs())
+                let magnitude = self.0.unsigned_abs();
+                Self((magnitude - (magnitude >> 63)) as i64)
             }
         }
 
@@ -162,10 +163,19 @@ quantity!(
     "/s^3"
 );
 
-/// The product, and what does not fit cut to the nearer end. On a processor of 32 bits that is long.
+/// The product, and what does not fit cut to the nearer end, `i64::MAX` or its negative.
+/// On a processor of 32 bits that is long, and a third of what two factors of 64 bits would take.
 #[inline(never)]
-pub(crate) const fn product(value: i64, factor: i64) -> i64 {
-    value.saturating_mul(factor)
+pub(crate) const fn product(value: i64, factor: u32) -> i64 {
+    let magnitude = value.unsigned_abs();
+    let lower = (magnitude & 0xFFFF_FFFF) * factor as u64;
+    let upper = (magnitude >> 32) * factor as u64 + (lower >> 32);
+    let size = if upper >> 31 == 0 {
+        (upper << 32 | lower & 0xFFFF_FFFF) as i64
+    } else {
+        i64::MAX
+    };
+    if value < 0 { -size } else { size }
 }
 
 /// The whole part of `value`: at an end where it does not fit, and 0 for what is no number. A processor without
@@ -212,6 +222,26 @@ mod tests {
         {
             for value in [value, -value] {
                 assert_eq!(floor(value), libm::floor(value) as i64, "{value}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_product_is_that_or_the_nearer_end() {
+        for value in [
+            0,
+            1,
+            -1,
+            1 << 31,
+            -(1 << 31),
+            1 << 40,
+            i64::MAX,
+            -i64::MAX,
+            i64::MIN,
+        ] {
+            for factor in [0, 1, 2, 1_000, 1 << 16, u32::MAX] {
+                let exact = value.saturating_mul(factor.into()).max(-i64::MAX);
+                assert_eq!(product(value, factor), exact, "{value} {factor}");
             }
         }
     }

@@ -49,7 +49,7 @@ impl Brake {
 
     /// Whether it rests so many ticks after it began with `velocity`.
     pub(super) fn has_ended(&self, velocity: i64, elapsed: u32) -> bool {
-        let lost = product(self.deceleration, elapsed.into());
+        let lost = product(self.deceleration, elapsed);
         lost >= thousandfold(velocity)
     }
 
@@ -74,7 +74,7 @@ impl Brake {
         // What was lost may be 4 units more than that. So the way passed is never too long, and the
         // last step leads forward as well.
         let mean = (speed << BITS) - (lost >> 1) - 3;
-        let passed = scale(product(mean, elapsed.into()), TICK) >> BITS;
+        let passed = scale(product(mean, elapsed), TICK) >> BITS;
         (
             position.saturating_add(sign * passed.min(self.room)),
             sign * (now >> BITS),
@@ -95,5 +95,5 @@ impl Brake {
 
 /// A speed in counts per thousand seconds, as decelerations times ticks are.
 fn thousandfold(velocity: i64) -> i64 {
-    product(velocity.saturating_abs(), TICKS_PER_SECOND as i64)
+    product(velocity.saturating_abs(), TICKS_PER_SECOND as u32)
 }

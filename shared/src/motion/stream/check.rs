@@ -36,7 +36,7 @@ pub(super) fn check<const QUINTIC: bool>(
 ) -> Result<i64, Breach> {
     let fastest = limits.velocity().counts();
     let difference = to.position.saturating_sub(from.position);
-    let thousandfold = product(difference, TICKS_PER_SECOND as i64);
+    let thousandfold = product(difference, TICKS_PER_SECOND as u32);
     for velocity in [from.velocity, to.velocity] {
         if velocity.saturating_abs() > fastest {
             return Err(Breach::Velocity(velocity));

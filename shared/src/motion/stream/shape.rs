@@ -47,7 +47,7 @@ pub(super) struct Cubic {
 fn velocities(from: &Place, to: &Place, ticks: &Divisor) -> [i64; 3] {
     let difference = to.position.saturating_sub(from.position);
     // The thousandfold is below 2^43 * 2040 < 2^54.
-    let thousandfold = product(difference, TICKS_PER_SECOND as i64);
+    let thousandfold = product(difference, TICKS_PER_SECOND as u32);
     [
         from.velocity << VELOCITY_BITS,
         ticks.divide(thousandfold << VELOCITY_BITS),
