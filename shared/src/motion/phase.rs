@@ -218,7 +218,7 @@ impl Factor {
         if self.exponent < 0 {
             part >> self.exponent.unsigned_abs()
         } else {
-            part.saturating_mul(1 << self.exponent)
+            product(part, 1 << self.exponent)
         }
     }
 }
