@@ -35,6 +35,7 @@ pub struct Ticks(pub u32);
 
 impl LocalTime {
     /// Microseconds from `earlier` to here; zero where `earlier` is later.
+    #[inline(never)]
     pub const fn since(self, earlier: Self) -> u64 {
         self.0.saturating_sub(earlier.0)
     }

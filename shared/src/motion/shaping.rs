@@ -261,6 +261,7 @@ impl Shaper {
     }
 
     /// How much later the shaped motion arrives: the longest delay of a part.
+    #[inline(never)]
     pub fn delay(&self) -> Ticks {
         Ticks(self.taps.last().map_or(0, |tap| tap.ticks))
     }
