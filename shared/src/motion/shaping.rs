@@ -268,6 +268,7 @@ impl Shaper {
 
     /// Whether the shaped setpoint has caught up: it is the one that was given last, and stays so
     /// as long as that stays the same.
+    #[inline(never)]
     pub fn is_settled(&self) -> bool {
         self.unchanged >= self.delay().0
     }
