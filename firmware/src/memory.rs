@@ -11,7 +11,7 @@
 core::arch::global_asm!(
     ".syntax unified",
     ".pushsection .text.canter_memory, \"ax\", %progbits",
-    ".p2align 2",
+    ".p2align 1",
     // To r0 from r1, r2 bytes, both at whole words. r12 goes on, since `memcpy` gives r0 back.
     ".global __aeabi_memcpy4, __aeabi_memcpy8",
     ".type __aeabi_memcpy4, %function",

@@ -1,7 +1,7 @@
 //! What an axis may do. A [`Limits`] can only hold values that make sense.
 
 use crate::units::{
-    Acceleration, COUNTS_PER_RADIAN, Jerk, POSITION_RANGE_TURNS, Position, Velocity,
+    Acceleration, COUNTS_PER_RADIAN, Jerk, POSITION_RANGE_TURNS, Position, Velocity, floor,
 };
 use core::f64::consts::TAU;
 use core::fmt;
@@ -110,7 +110,7 @@ fn checked(
 /// Rounded down: a limit in counts is never above the one that was asked for.
 #[inline(never)]
 fn down(radians: f64) -> i64 {
-    libm::floor(radians * COUNTS_PER_RADIAN) as i64
+    floor(radians * COUNTS_PER_RADIAN)
 }
 
 impl Limits {

@@ -5,6 +5,7 @@
 //! maps one to the other. A [`Tick`] is a whole millisecond of bus time, so every node that
 //! evaluates a trajectory at tick k evaluates it at the same instant.
 
+use crate::units::floor;
 pub mod bus_clock;
 
 /// Microseconds in one tick: setpoints leave at 1 kHz.
@@ -34,6 +35,7 @@ pub struct Ticks(pub u32);
 
 impl LocalTime {
     /// Microseconds from `earlier` to here; zero where `earlier` is later.
+    #[inline(never)]
     pub const fn since(self, earlier: Self) -> u64 {
         self.0.saturating_sub(earlier.0)
     }
@@ -41,6 +43,7 @@ impl LocalTime {
 
 impl BusTime {
     /// The first tick that is not before this instant.
+    #[inline(never)]
     pub const fn next_tick(self) -> Tick {
         Tick(self.0.div_ceil(MICROSECONDS_PER_TICK))
     }
@@ -48,23 +51,23 @@ impl BusTime {
 
 impl Tick {
     /// The instant of the tick.
+    #[inline(never)]
     pub const fn time(self) -> BusTime {
         BusTime(self.0.saturating_mul(MICROSECONDS_PER_TICK))
     }
 
     /// The tick `ticks` later.
+    #[inline(never)]
     pub const fn after(self, ticks: Ticks) -> Self {
         Self(self.0.saturating_add(ticks.0 as u64))
     }
 
     /// Ticks from `earlier` to here; zero where `earlier` is later, and at most `u32::MAX`.
+    #[inline(never)]
     pub const fn since(self, earlier: Self) -> Ticks {
         let ticks = self.0.saturating_sub(earlier.0);
-        Ticks(if ticks > u32::MAX as u64 {
-            u32::MAX
-        } else {
-            ticks as u32
-        })
+        let fits = ticks >> 32 == 0;
+        Ticks(if fits { ticks as u32 } else { u32::MAX })
     }
 }
 
@@ -77,7 +80,8 @@ impl Ticks {
     /// The least whole number of ticks that lasts at least `seconds`; `None` for a negative
     /// value, for one that is not a number, and for one beyond [`LONGEST_MOVE`].
     pub fn from_seconds_ceil(seconds: f64) -> Option<Self> {
-        let ticks = libm::ceil(seconds * TICKS_PER_SECOND as f64);
-        (ticks >= 0.0 && ticks <= f64::from(LONGEST_MOVE.0)).then_some(Self(ticks as u32))
+        let ticks = seconds * TICKS_PER_SECOND as f64;
+        let fits = ticks > -1.0 && ticks <= f64::from(LONGEST_MOVE.0);
+        fits.then(|| Self(-floor(-ticks) as u32))
     }
 }

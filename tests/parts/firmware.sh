@@ -6,6 +6,7 @@ need_python
 
 for board in nucleo-g474re nucleo-f446re nucleo-h743zi2; do
     image=(--package canter-firmware --no-default-features --features "$board" --bin "$board")
+    if [ -f ".cargo/$board.toml" ]; then image+=(--config ".cargo/$board.toml"); fi
     image_cargo clippy "${image[@]}"
     image_cargo build --profile firmware "${image[@]}"
 done

@@ -117,7 +117,18 @@ where
         + Binding<T::IT1Interrupt, can::IT1InterruptHandler<T>>,
 {
     block_for(DRIVER_LOOKS_BACK);
-    let mut configurator = CanConfigurator::new(peripheral, receive, transmit, Interrupts);
+    let configurator = CanConfigurator::new(peripheral, receive, transmit, Interrupts);
+    begin(configurator, timing, controller, line)
+}
+
+/// What does not ask which controller it is: once for both.
+#[inline(never)]
+fn begin(
+    mut configurator: CanConfigurator<'static>,
+    timing: BitTiming,
+    controller: Controller,
+    line: &'static Line,
+) -> (Receiver, Transmitter) {
     configurator.set_config(config(timing));
     let (transmitter, receiver, _) = configurator.into_normal_mode().split();
     controller.registers.ie().modify(|w| w.set_rfle(0, true));

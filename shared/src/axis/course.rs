@@ -7,7 +7,7 @@
 use super::Departure;
 use super::reaction::Stopping;
 use crate::limits::Limits;
-use crate::motion::stream::Stream;
+use crate::motion::stream::CubicStream;
 use crate::motion::{Motion, Setpoint};
 use crate::time::Tick;
 use crate::units::Position;
@@ -26,7 +26,7 @@ struct Next {
 #[expect(clippy::large_enum_variant, reason = "nothing is allocated here")]
 enum Lead {
     Motion(Motion),
-    Stream(Stream),
+    Stream(CubicStream),
 }
 
 impl Lead {
@@ -235,7 +235,7 @@ impl Course {
     }
 
     /// Has `stream` take over when it begins; only where nothing moves.
-    pub(super) fn splice_stream(&mut self, stream: Stream, departure: Departure) {
+    pub(super) fn splice_stream(&mut self, stream: CubicStream, departure: Departure) {
         self.next = Some(Next {
             splice: departure.start,
             stops: None,
@@ -245,7 +245,7 @@ impl Course {
     }
 
     /// The stream under way.
-    pub(super) fn running_stream(&self) -> Option<&Stream> {
+    pub(super) fn running_stream(&self) -> Option<&CubicStream> {
         match self.lead() {
             Lead::Stream(stream) => Some(stream),
             Lead::Motion(_) => None,
@@ -253,7 +253,7 @@ impl Course {
     }
 
     /// The stream that waits for its start or is under way, to take knots on.
-    pub(super) fn stream_mut(&mut self) -> Option<&mut Stream> {
+    pub(super) fn stream_mut(&mut self) -> Option<&mut CubicStream> {
         let lead = match self.next {
             Some(next) if next.stops.is_none() => self.idle_mut(),
             _ => self.lead_mut(),

@@ -9,7 +9,7 @@ use super::command::LONGEST_LEAD;
 use super::fault::Fault;
 use super::{Axis, Departure, Outcome};
 use crate::motion::Setpoint;
-use crate::motion::stream::{Knot, KnotError, Pushed, Stream};
+use crate::motion::stream::{CubicStream, Knot, KnotError, Pushed};
 use crate::time::{Tick, Ticks};
 use crate::units::{Position, Velocity};
 use crate::wire::id::Function;
@@ -50,7 +50,7 @@ impl Axis {
             position: self.course.at(self.tick).position,
             ..Setpoint::default()
         };
-        let stream = Stream::new(start, number, rest, period);
+        let stream = CubicStream::new(start, number, rest, period);
         self.course
             .splice_stream(stream, Departure { sequence, start });
         self.telemetry.hasten();

@@ -109,8 +109,9 @@ impl Axis {
     ///
     /// An axis may be set to be faster than Feedback can tell; its speed is watched by its own limit.
     pub(super) fn carries(&self, report: &DriveReport) -> bool {
-        report.position.abs() <= FARTHEST
-            && (report.velocity.abs() <= FASTEST || self.settings.limits.velocity() > FASTEST)
+        let fits = (-FASTEST..=FASTEST).contains(&report.velocity);
+        (-FARTHEST..=FARTHEST).contains(&report.position)
+            && (fits || self.settings.limits.velocity() > FASTEST)
     }
 
     /// Holds the drive's report against the last setpoint, which is what the drive has been told

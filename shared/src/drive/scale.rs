@@ -26,16 +26,15 @@ impl Ratio {
     /// `numerator / denominator`, to the nearest; both are from 1 to 2^96.
     fn new(numerator: u128, denominator: u128) -> Self {
         let (mut rest, mut divisor) = (numerator.max(1), denominator.max(1));
-        // Both to the same highest bit, then divided bit by bit: a processor has no division this wide.
-        let mut exponent = divisor.leading_zeros() as i32 - rest.leading_zeros() as i32;
-        if exponent > 0 {
-            divisor <<= exponent;
-        } else {
-            rest <<= -exponent;
-        }
-        if rest < divisor {
+        // Until their quotient is from one to two, then bit by bit: a processor has no division this wide.
+        let mut exponent = 0;
+        while rest < divisor {
             rest <<= 1;
             exponent -= 1;
+        }
+        while divisor << 1 <= rest {
+            divisor <<= 1;
+            exponent += 1;
         }
         let mut mantissa = 0u64;
         for _ in 0..Self::BITS {
@@ -57,6 +56,7 @@ impl Ratio {
     }
 
     /// `value` times the ratio, rounded to the nearest; what does not fit is cut to the nearer end.
+    #[inline(never)]
     fn of(self, value: i64) -> i64 {
         let product = u128::from(value.unsigned_abs()) * u128::from(self.mantissa);
         let (upper, lower) = ((product >> 64) as u64, product as u64);
@@ -121,7 +121,7 @@ impl Scale {
         let drive = u128::from(gear) * u128::from(units);
         let axis = u128::from(UNIT_GEAR) * COUNTS_PER_TURN as u128;
         let direction = if reversed { -1.0 } else { 1.0 };
-        let gear = direction * gear as f64 / UNIT_GEAR as f64;
+        let gear = direction * gear as i64 as f64 / UNIT_GEAR as f64;
         let turn = COUNTS_PER_TURN as f64;
         let velocity = gear * f64::from(1 << VELOCITY_BITS) / turn;
         let radians = f64::from(1 << ACCELERATION_BITS) * TAU / turn;

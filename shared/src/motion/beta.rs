@@ -23,7 +23,7 @@ use super::elementary::cube_root;
 use super::fixed::{ALMOST_ONE, multiply, square_root};
 use crate::limits::Limits;
 use crate::time::{LONGEST_MOVE, Tick, Ticks};
-use crate::units::{Acceleration, Jerk, Position, Velocity};
+use crate::units::{Acceleration, Jerk, Position, Velocity, whole};
 use core::f64::consts::PI;
 use core::hint::black_box;
 
@@ -120,7 +120,7 @@ impl Beta {
         let duration = Ticks(duration.0.max(1));
         let seconds = duration.seconds();
         let range = range.counts();
-        let magnitude = range.unsigned_abs() as f64;
+        let magnitude = range.saturating_abs() as f64;
         Self {
             start,
             duration,
@@ -133,8 +133,8 @@ impl Beta {
                 ALMOST_ONE / u64::from(duration.0)
             },
             // Saturating conversions: a nonsensical move has a nonsensical peak, and is refused.
-            peak_velocity: (PEAK_VELOCITY * magnitude / seconds) as i64,
-            peak_acceleration: (PEAK_ACCELERATION * magnitude / (seconds * seconds)) as i64,
+            peak_velocity: whole(PEAK_VELOCITY * magnitude / seconds),
+            peak_acceleration: whole(PEAK_ACCELERATION * magnitude / (seconds * seconds)),
         }
     }
 
@@ -174,9 +174,9 @@ impl Beta {
     /// The largest jerk of the move, without its sign.
     pub fn peak_jerk(&self) -> Jerk {
         let seconds = self.duration.seconds();
-        let magnitude = self.range.unsigned_abs() as f64;
+        let magnitude = self.range.saturating_abs() as f64;
         let peak = PEAK_JERK * magnitude / (seconds * seconds * seconds);
-        Jerk::from_counts(peak as i64)
+        Jerk::from_counts(whole(peak))
     }
 
     /// The largest velocity of the move, without its sign.

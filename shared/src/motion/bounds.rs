@@ -44,6 +44,22 @@ impl Bounds {
         })
     }
 
+    /// The bounds of an axis, whose [`Limits`](crate::limits::Limits) are far inside the ranges of [`Self::new`],
+    /// as are these times what a stop takes. A device looks at them once, when it is given the limits.
+    pub(crate) const fn of_axis(
+        velocity: f64,
+        acceleration: f64,
+        deceleration: f64,
+        jerk: f64,
+    ) -> Self {
+        Self {
+            velocity,
+            acceleration,
+            deceleration,
+            jerk,
+        }
+    }
+
     /// The largest velocity.
     pub const fn velocity(&self) -> f64 {
         self.velocity

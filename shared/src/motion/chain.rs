@@ -6,7 +6,7 @@
 use super::phase::{COEFFICIENT_BITS, FARTHEST, Moment, Phase, Rates, Span};
 use crate::limits::Limits;
 use crate::time::{LONGEST_MOVE, Tick};
-use crate::units::{COUNTS_PER_TURN, Position};
+use crate::units::{COUNTS_PER_TURN, Position, product};
 use heapless::Vec;
 
 /// A change of velocity, a cruise and a stop: the longest chain there is.
@@ -112,7 +112,7 @@ impl Chain {
         // A place inside a count is one that rounds to it.
         let half = (2 * counts + 1) << (COEFFICIENT_BITS - 1);
         let raised = |place: Position, from: fn(i64, i64) -> i64| {
-            from(place.counts(), self.from).saturating_mul(1 << COEFFICIENT_BITS)
+            product(from(place.counts(), self.from), 1 << COEFFICIENT_BITS)
         };
         least >= raised(limits.position_minimum(), i64::min) - half
             && greatest < raised(limits.position_maximum(), i64::max) + half

@@ -354,11 +354,12 @@ pub(crate) fn overlay(
         if duration > u64::from(LONGEST_MOVE.0) {
             return None;
         }
+        let duration = duration as u32;
         let curve = Curve::new(0.0, range.counts(), duration as f32, &scale);
         if !others.keeps(&curve, room, &scale) {
             return None;
         }
-        let added = Beta::new(start, range, Ticks(duration as u32));
+        let added = Beta::new(start, range, Ticks(duration));
         added.keeps(limits).then_some(added)
     };
     let longest = fitting(LONGEST_STRETCH)?;
@@ -370,7 +371,8 @@ pub(crate) fn overlay(
 fn at_least(range: Position, asked: Ticks, scale: &Scale) -> u64 {
     let asked = asked.0.max(1) as f32;
     let alone = Curve::new(0.0, range.counts(), asked, scale).stretch();
-    (asked * alone / ALLOWED) as u64 + u64::from(alone > 1.0)
+    // What does not fit 32 bits is far too long, and needs no conversion to 64.
+    u64::from((asked * alone / ALLOWED) as u32) + u64::from(alone > 1.0)
 }
 
 /// A duration in which a beta move by `range` keeps the limits: the one asked for, or the least that

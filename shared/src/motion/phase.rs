@@ -12,7 +12,7 @@ use super::Contribution;
 use super::fixed::{multiply, reciprocal, scale};
 use crate::limits::Limits;
 use crate::time::{LONGEST_MOVE, TICKS_PER_SECOND, Tick, Ticks};
-use crate::units::{COUNTS_PER_TURN, Position, over_power_of_two};
+use crate::units::{COUNTS_PER_TURN, Position, over_power_of_two, product, whole};
 
 /// Bits behind the point of the position's coefficients.
 ///
@@ -218,7 +218,7 @@ impl Factor {
         if self.exponent < 0 {
             part >> self.exponent.unsigned_abs()
         } else {
-            part.saturating_mul(1 << self.exponent)
+            product(part, 1 << self.exponent)
         }
     }
 }
@@ -240,8 +240,8 @@ impl Phase {
         let change = time.times(entry.acceleration);
         // Counts with the bits of an acceleration, raised to those of a coefficient.
         let way = |rate: i64| {
-            time.times(rate)
-                .saturating_mul(1 << (COEFFICIENT_BITS - ACCELERATION_BITS))
+            let raised = 1 << (COEFFICIENT_BITS - ACCELERATION_BITS);
+            product(time.times(rate), raised)
         };
         let position = [
             time.times(entry.velocity),
@@ -313,7 +313,7 @@ impl Phase {
 
     /// Moves the whole phase by `counts`.
     pub(crate) fn shift(&mut self, counts: i64) {
-        let raised = counts.saturating_mul(1 << COEFFICIENT_BITS);
+        let raised = product(counts, 1 << COEFFICIENT_BITS);
         self.from = self.from.saturating_add(raised);
     }
 
@@ -368,7 +368,7 @@ impl Phase {
                     if u > 0.0 && u < 1.0 {
                         let [d1, d2, d3] = self.position.map(|coefficient| coefficient as f64);
                         let moved = u * (d1 + u * (d2 + u * d3));
-                        let place = self.from.saturating_add(moved as i64);
+                        let place = self.from.saturating_add(whole(moved));
                         reach = (reach.0.min(place), reach.1.max(place));
                     }
                 }

@@ -271,7 +271,7 @@ pub(super) fn lead(
         Profile::Trapezoid | Profile::ShapedTrapezoid { .. } => {
             let velocity = turns(commanded.state.velocity.counts());
             let distance = turns((target - commanded.state.position).counts());
-            let bounds = smooth::bounds(limits)?;
+            let bounds = smooth::bounds(limits);
             let pieces = trapezoid::to_rest(velocity, distance, duration.seconds(), &bounds);
             chain.lay(&pieces, Some(target.counts()))?;
             chain.step();

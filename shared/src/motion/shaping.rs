@@ -24,7 +24,7 @@ pub use trajectory::Shaped;
 use super::Setpoint;
 use super::fixed::scale;
 use crate::time::Ticks;
-use crate::units::{Acceleration, Position, Velocity};
+use crate::units::{Acceleration, Position, Velocity, whole};
 use heapless::Vec;
 
 /// Past setpoints that a shaper keeps, 3 KiB of 16 bytes each: the longest delay in ticks. Half a
@@ -177,8 +177,8 @@ impl Shaper {
         self.taps.clear();
         let taps = shaping.map(Shaping::taps).unwrap_or_default();
         for (ticks, part) in taps.into_iter().skip(1) {
-            // A part is below one, so 2^64 times it fits.
-            let weight = (part * 18_446_744_073_709_551_616.0) as u64;
+            // A part is below one, so 2^63 times it fits.
+            let weight = (whole(part * 9_223_372_036_854_775_808.0) as u64) << 1;
             let share = (weight >> (u64::BITS - SHARE_BITS)) as i32;
             // Room for all but the first: there is no error to look at.
             let _ = self.taps.push(Tap {
@@ -261,12 +261,14 @@ impl Shaper {
     }
 
     /// How much later the shaped motion arrives: the longest delay of a part.
+    #[inline(never)]
     pub fn delay(&self) -> Ticks {
         Ticks(self.taps.last().map_or(0, |tap| tap.ticks))
     }
 
     /// Whether the shaped setpoint has caught up: it is the one that was given last, and stays so
     /// as long as that stays the same.
+    #[inline(never)]
     pub fn is_settled(&self) -> bool {
         self.unchanged >= self.delay().0
     }

@@ -21,38 +21,30 @@ pub(crate) struct Commanded {
     pub steps: bool,
 }
 
-/// The limits in turns, with a margin for rounding; `None` where there is none, which a
-/// [`Limits`] never is.
-pub(crate) fn bounds(limits: &Limits) -> Option<Bounds> {
+/// The limits in turns, with a margin for rounding.
+pub(crate) fn bounds(limits: &Limits) -> Bounds {
     let below = |counts: i64| turns(counts) - turns(ROUNDING_MARGIN as i64);
-    Bounds::new(
+    Bounds::of_axis(
         below(limits.velocity().counts()),
         below(limits.acceleration().counts()),
         below(limits.deceleration().counts()),
         below(limits.jerk().counts()),
     )
-    .ok()
 }
 
 /// The least duration of an s-curve over `range`; `None` where that is longer than
 /// [`crate::time::LONGEST_MOVE`].
 pub fn shortest_s_curve(range: Position, limits: &Limits) -> Option<Ticks> {
-    whole_ticks(way_from_rest(range, limits)?.quickest()?.duration())
+    whole_ticks(way_from_rest(range, limits).quickest()?.duration())
 }
 
 /// The way from rest over `range`.
-fn way_from_rest(range: Position, limits: &Limits) -> Option<Way> {
-    let bounds = bounds(limits)?;
+fn way_from_rest(range: Position, limits: &Limits) -> Way {
+    let bounds = bounds(limits);
     let target = turns(range.counts());
     let sign = 1.0f64.copysign(target);
     let rest = Sample::at_rest(0.0);
-    Some(Way::new(
-        &rest,
-        target,
-        sign,
-        bounds.acceleration(),
-        &bounds,
-    ))
+    Way::new(&rest, target, sign, bounds.acceleration(), &bounds)
 }
 
 /// The ticks that last at least `seconds`, where a tick may miss it by rounding.
@@ -69,7 +61,7 @@ pub(crate) fn from_rest(
     duration: Ticks,
     limits: &Limits,
 ) -> Result<(), Option<Ticks>> {
-    let way = way_from_rest(range, limits).ok_or(None)?;
+    let way = way_from_rest(range, limits);
     if let Some(pieces) = way.lasting(duration) {
         return chain.lay(&pieces, Some(to)).ok_or(None);
     }
@@ -108,7 +100,7 @@ fn above_by_rounding(from: &Sample, bounds: Bounds) -> Bounds {
         return bounds;
     }
     let (acceleration, deceleration) = (bounds.acceleration(), bounds.deceleration());
-    Bounds::new(fastest, acceleration, deceleration, bounds.jerk()).unwrap_or(bounds)
+    Bounds::of_axis(fastest, acceleration, deceleration, bounds.jerk())
 }
 
 /// The stop from a state.
@@ -135,8 +127,12 @@ impl Commanded {
             acceleration,
             ..Sample::default()
         };
-        if self.steps && acceleration != 0.0 {
-            let speeds_up = velocity == 0.0 || (velocity > 0.0) == (acceleration > 0.0);
+        let (v, a) = (
+            self.state.velocity.counts(),
+            self.state.acceleration.counts(),
+        );
+        if self.steps && a != 0 {
+            let speeds_up = v == 0 || (v > 0) == (a > 0);
             let room = if speeds_up {
                 (bounds.velocity() - velocity.abs()).max(0.0)
             } else {
@@ -159,7 +155,7 @@ impl Commanded {
         duration: Ticks,
         limits: &Limits,
     ) -> Option<()> {
-        let bounds = bounds(limits)?;
+        let bounds = bounds(limits);
         let from = self.entry(&bounds);
         let bounds = above_by_rounding(&from, bounds);
         let distance = turns((target - self.state.position).counts());
@@ -189,17 +185,16 @@ impl Commanded {
     /// Lays a chain to rest as quickly as the limits allow, with a multiple of the jerk limit; with
     /// an infinite one the acceleration steps.
     pub(crate) fn stop(&self, chain: &mut Chain, limits: &Limits, times: f64) -> Option<()> {
-        if times == f64::INFINITY {
+        if times > f64::MAX {
             let velocity = turns(self.state.velocity.counts());
             let braking = Change::braking(velocity, turns(limits.deceleration().counts()));
             chain.lay(&braking.pieces(0.0), None)?;
             chain.step();
             return Some(());
         }
-        let own = bounds(limits)?;
+        let own = bounds(limits);
         let jerk = own.jerk() * times;
-        let harder = Bounds::new(own.velocity(), own.acceleration(), own.deceleration(), jerk);
-        let bounds = harder.ok()?;
+        let bounds = Bounds::of_axis(own.velocity(), own.acceleration(), own.deceleration(), jerk);
         let mut from = self.entry(&bounds);
         if self.steps && from.velocity * from.acceleration >= 0.0 {
             // A trapezoid that speeds up steps to none: taking it back would cost speed and time.

@@ -57,12 +57,12 @@ impl Motion {
         if quick {
             times.reverse();
         }
-        let first = times[0];
         // A motion that brakes for the end of the travel already, and then turns back, leaves no room
         // but for what rounding takes: the margin to the limit, which only the quick stop uses up,
         // and where the limits are of a few counts, some counts beside the end.
         let last = (f64::INFINITY, ROUNDING_MARGIN as i64);
-        for (times, beside) in times.map(|times| (times, 0)).into_iter().chain([last]) {
+        let tries = times.map(|times| (times, 0)).into_iter().chain([last]);
+        for (place, (times, beside)) in tries.enumerate() {
             // What was a trapezoid's steps to what can be taken back in time.
             if !commanded.steps && passes(&commanded.state, limits, times, 0.0) {
                 continue;
@@ -77,7 +77,7 @@ impl Motion {
                 self.take_over(now, &chain);
                 return chain.end;
             }
-            if times == first {
+            if place == 0 {
                 break;
             }
         }

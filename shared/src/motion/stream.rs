@@ -86,9 +86,16 @@ enum Breach {
     Acceleration(i64),
 }
 
+/// A stream whose knots may know their acceleration.
+pub type Stream = AnyStream<true>;
+
+/// A stream whose knots leave the acceleration to the curve, as those do that come over a bus: a device that
+/// knows no other needs no quintics, which are 2 KiB.
+pub type CubicStream = AnyStream<false>;
+
 /// A stream of knots: those that have not passed yet, and the piece under way.
 #[derive(Debug, Clone)]
-pub struct Stream {
+pub struct AnyStream<const QUINTIC: bool> {
     /// The tick of the knot that the first stretch begins with.
     begins: Tick,
     /// That knot.
@@ -109,7 +116,7 @@ pub struct Stream {
     piece: Option<Piece>,
 }
 
-impl Stream {
+impl<const QUINTIC: bool> AnyStream<QUINTIC> {
     /// Begins at `start` with the setpoint of that tick, which counts as the knot of this number.
     /// The knot numbered n more is due n periods of so many ticks later.
     pub fn new(start: Tick, number: u8, state: Setpoint, period: NonZeroU8) -> Self {
@@ -166,7 +173,10 @@ impl Stream {
         let to = Place {
             position: knot.position.counts(),
             velocity: knot.velocity.counts(),
-            acceleration: knot.acceleration.map(Acceleration::counts),
+            acceleration: knot
+                .acceleration
+                .filter(|_| QUINTIC)
+                .map(Acceleration::counts),
         };
         let ticks = u16::from(ahead) * u16::from(self.period.get());
         let outside = |counts: i64| {
@@ -179,7 +189,7 @@ impl Stream {
         if !limits.allow(knot.position) {
             return Err(outside(to.position));
         }
-        let exit = check::check(&self.last, &to, ticks, limits).map_err(|breach| {
+        let exit = check::check::<QUINTIC>(&self.last, &to, ticks, limits).map_err(|breach| {
             let limit = limits.velocity();
             match breach {
                 Breach::Travel(position) => outside(position),
@@ -215,14 +225,15 @@ impl Stream {
             && let Some(first) = self.stretches.front()
         {
             let (to, ticks) = (first.to(), first.ticks(self.period));
-            Piece::make(&mut self.piece, &self.from, &to, ticks);
+            Piece::make::<QUINTIC>(&mut self.piece, &self.from, &to, ticks);
         }
     }
 
     /// When the first stretch ends.
     fn first_ends(&self) -> Option<Tick> {
         let ticks = self.stretches.front()?.ticks(self.period);
-        Some(self.begins.after(Ticks(ticks.into())))
+        // Asked in every tick. Bus time does not come to its end in 65 s more.
+        Some(Tick(self.begins.0.wrapping_add(ticks.into())))
     }
 
     fn drop_ended(&mut self, now: Tick) {
@@ -295,7 +306,7 @@ impl Stream {
             if left < u32::from(ticks) {
                 let from = before.map_or(self.from, Stretch::to);
                 let mut piece = None;
-                Piece::make(&mut piece, &from, &stretch.to(), ticks);
+                Piece::make::<QUINTIC>(&mut piece, &from, &stretch.to(), ticks);
                 if let Some(piece) = piece {
                     return piece.at(left);
                 }

@@ -16,7 +16,7 @@ use super::phase::{Moment, Rates};
 use super::smooth::ROUNDING_MARGIN;
 use crate::limits::Limits;
 use crate::time::{LONGEST_MOVE, TICKS_PER_SECOND, Ticks};
-use crate::units::Position;
+use crate::units::{Position, floor, whole};
 
 /// A trapezoid's phases in ticks: how long it accelerates, cruises and decelerates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,29 +51,29 @@ impl Trapezoid {
         }
         let rate = TICKS_PER_SECOND as f64;
         let range = range.abs().counts() as f64;
-        let whole = f64::from(duration.0);
+        let length = f64::from(duration.0);
         let up = (limits.acceleration().counts() as f64 - ROUNDING_MARGIN) / (rate * rate);
         let down = (limits.deceleration().counts() as f64 - ROUNDING_MARGIN) / (rate * rate);
         // R = v T - k v^2 with k = 1 / (2 a) + 1 / (2 d): the lesser root.
         let k = 0.5 / up + 0.5 / down;
-        let root = libm::sqrt((whole * whole - 4.0 * k * range).max(0.0));
-        let cruise_velocity = 2.0 * range / (whole + root);
-        let mut rise = libm::ceil(cruise_velocity / up).max(1.0);
-        let mut fall = libm::ceil(cruise_velocity / down).max(1.0);
+        let root = libm::sqrt((length * length - 4.0 * k * range).max(0.0));
+        let cruise_velocity = 2.0 * range / (length + root);
+        let mut rise = whole_above(cruise_velocity / up);
+        let mut fall = whole_above(cruise_velocity / down);
         loop {
-            if rise + fall > whole {
+            if rise + fall > length {
                 return None;
             }
-            let velocity = 2.0 * range / (2.0 * whole - rise - fall);
+            let velocity = 2.0 * range / (2.0 * length - rise - fall);
             if velocity > up * rise {
                 rise += 1.0;
             } else if velocity > down * fall {
                 fall += 1.0;
             } else {
                 let trapezoid = Self {
-                    acceleration: Ticks(rise as u32),
-                    cruise: Ticks((whole - rise - fall) as u32),
-                    deceleration: Ticks(fall as u32),
+                    acceleration: Ticks(whole(rise) as u32),
+                    cruise: Ticks(whole(length - rise - fall) as u32),
+                    deceleration: Ticks(whole(fall) as u32),
                 };
                 return trapezoid.keeps(range, limits).then_some(trapezoid);
             }
@@ -159,4 +159,9 @@ impl Trapezoid {
             exit: Rates::new(to, acceleration),
         })
     }
+}
+
+/// The least whole number that is not below `value`, from 1 up.
+fn whole_above(value: f64) -> f64 {
+    (floor(-value) as f64).min(-1.0).abs()
 }

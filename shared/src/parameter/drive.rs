@@ -6,7 +6,7 @@ use crate::drive::mit::{MitRanges, MitSettings, preset};
 use crate::drive::settings::{DriveKind, DriveSettings, OdriveFirmware};
 use crate::drive::{cia402, odrive};
 use crate::time::Ticks;
-use crate::units::{COUNTS_PER_RADIAN, Position};
+use crate::units::{COUNTS_PER_RADIAN, Position, whole};
 use core::f64::consts::TAU;
 
 /// How much of a range is left free at each of its ends: a drive at the very end may be beyond it. Four
@@ -24,10 +24,9 @@ impl Values {
             node: raw(Parameter::DriveNode) as u8,
             gear: raw(Parameter::GearRatio) as u64,
             reversed: raw(Parameter::DriveDirection) != 0,
-            offset: Position::from_counts(
-                (Parameter::DriveOffset.in_unit(raw(Parameter::DriveOffset)) * COUNTS_PER_RADIAN)
-                    as i64,
-            ),
+            offset: Position::from_counts(whole(
+                Parameter::DriveOffset.in_unit(raw(Parameter::DriveOffset)) * COUNTS_PER_RADIAN,
+            )),
             inertia: number(Parameter::DriveInertia),
             timeout: Ticks(raw(Parameter::DriveTimeout) as u32),
             period: Ticks(raw(Parameter::DrivePeriod) as u32),

@@ -6,7 +6,7 @@ use super::values::{ParameterError, Values};
 use crate::limits::{LimitValues, Limits};
 use crate::motion::shaping::{ShaperKind, Shaping};
 use crate::time::Ticks;
-use crate::units::{COUNTS_PER_RADIAN, Position, Velocity};
+use crate::units::{COUNTS_PER_RADIAN, Position, Velocity, whole};
 use num_enum::{IntoPrimitive, TryFromPrimitive};
 
 /// How an axis comes to rest when something has gone wrong; the harder the greater.
@@ -118,7 +118,7 @@ impl Settings {
         // Zero is not watched.
         let watched = |parameter: Parameter| {
             let radians = parameter.in_unit(values.get(parameter));
-            (radians > 0.0).then_some((radians * COUNTS_PER_RADIAN) as i64)
+            (radians > 0.0).then(|| whole(radians * COUNTS_PER_RADIAN))
         };
         Self {
             limits,

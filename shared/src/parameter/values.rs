@@ -4,7 +4,7 @@ use super::settings::Settings;
 use super::table::{Kind, Parameter};
 use crate::limits::Limits;
 use crate::motion::shaping::{ShaperKind, Shaping, ShapingError};
-use crate::units::COUNTS_PER_RADIAN;
+use crate::units::{COUNTS_PER_RADIAN, floor};
 use core::fmt;
 use core::ops::Range;
 
@@ -230,7 +230,7 @@ fn bytes_of(parameter: Parameter) -> Range<usize> {
 
 /// The most steps of a parameter in rad that are not above `counts`, as limits count them.
 fn steps_within(parameter: Parameter, counts: i64) -> i64 {
-    let down = |raw: i64| libm::floor(parameter.in_unit(raw) * COUNTS_PER_RADIAN) as i64;
+    let down = |raw: i64| floor(parameter.in_unit(raw) * COUNTS_PER_RADIAN);
     // A step is 0.7 counts at least, so the last one is a step or two from where f64 puts it.
     let mut raw = parameter
         .rounded(counts as f64 / COUNTS_PER_RADIAN)

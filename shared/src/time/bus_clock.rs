@@ -137,7 +137,7 @@ impl BusClock {
     }
 
     /// Bus time at a local time.
-    #[inline(always)]
+    #[inline(never)]
     pub fn bus_time(&self, local: LocalTime) -> BusTime {
         let elapsed = local.0.wrapping_sub(self.local.0) as i64;
         let correction = self.correction(elapsed) >> FINE;
@@ -149,7 +149,7 @@ impl BusClock {
     }
 
     /// The least local time at which [`Self::bus_time`] shows at least `bus`, give or take 1 us.
-    #[inline(always)]
+    #[inline(never)]
     pub fn local_time(&self, bus: BusTime) -> LocalTime {
         let elapsed = bus.0.wrapping_sub(self.bus.0) as i64;
         // The correction belongs to the local time; the first guess of that is off by a 1000th.
@@ -159,7 +159,7 @@ impl BusClock {
     }
 
     /// Bus time gained on the local clock some time after `local`, in 2^-32 us.
-    #[inline(always)]
+    #[inline(never)]
     fn correction(&self, elapsed: i64) -> i64 {
         let bounded = elapsed.clamp(-LONGEST, LONGEST);
         // Below 2^40 * 2^22 and 2^28 * 2^20.

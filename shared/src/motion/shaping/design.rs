@@ -22,6 +22,7 @@
 use super::CAPACITY;
 use crate::motion::elementary::{exponential, sine};
 use crate::time::{TICKS_PER_SECOND, Ticks};
+use crate::units::floor;
 use core::f64::consts::{PI, TAU};
 use core::fmt;
 use heapless::Vec;
@@ -175,11 +176,19 @@ pub struct Impulse {
 pub type Impulses = Vec<Impulse, MOST_IMPULSES>;
 
 /// A shaper for one mode.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub struct Shaping {
     kind: ShaperKind,
     frequency: f64,
     damping: f64,
+}
+
+// By their bits: neither is a NaN, and a zero of another sign would only be shaped for again.
+impl PartialEq for Shaping {
+    fn eq(&self, other: &Self) -> bool {
+        let bits = |shaping: &Self| (shaping.frequency.to_bits(), shaping.damping.to_bits());
+        self.kind == other.kind && bits(self) == bits(other)
+    }
 }
 
 /// A whole number of ticks, and a part of the whole.
@@ -260,7 +269,7 @@ impl Shaping {
     pub(super) fn taps(&self) -> Vec<Tap, MOST_IMPULSES> {
         let turn = TAU * self.frequency / TICKS_PER_SECOND as f64;
         let (angle, decay) = (turn * undamped(self.damping), turn * self.damping);
-        let early = libm::floor(PI / angle) as u32;
+        let early = floor(PI / angle) as u32;
         let late = early + 1;
         let alpha = snap(PI - f64::from(early) * angle, angle);
         let beta = angle - alpha;

@@ -6,7 +6,7 @@
 use crate::limits::Limits;
 use crate::motion::fixed::{ALMOST_ONE, scale};
 use crate::time::{TICKS_PER_SECOND, Ticks};
-use crate::units::Position;
+use crate::units::{Position, product, whole};
 
 /// Bits behind the point of a speed. A velocity limit is below 2^43 counts/s, so what was lost of
 /// it, d n, is below 1000 * 2^43 < 2^53. The way is at most the longest travel, 2000 turns or 2^43
@@ -49,7 +49,7 @@ impl Brake {
 
     /// Whether it rests so many ticks after it began with `velocity`.
     pub(super) fn has_ended(&self, velocity: i64, elapsed: u32) -> bool {
-        let lost = self.deceleration.saturating_mul(elapsed.into());
+        let lost = product(self.deceleration, elapsed);
         lost >= thousandfold(velocity)
     }
 
@@ -74,7 +74,7 @@ impl Brake {
         // What was lost may be 4 units more than that. So the way passed is never too long, and the
         // last step leads forward as well.
         let mean = (speed << BITS) - (lost >> 1) - 3;
-        let passed = scale(mean.saturating_mul(elapsed.into()), TICK) >> BITS;
+        let passed = scale(product(mean, elapsed), TICK) >> BITS;
         (
             position.saturating_add(sign * passed.min(self.room)),
             sign * (now >> BITS),
@@ -89,13 +89,11 @@ impl Brake {
     fn way(&self, speed: i64) -> i64 {
         let speed = speed as f64;
         let way = speed * speed / (2.0 * self.deceleration as f64);
-        (way as i64).min(self.room)
+        whole(way).min(self.room)
     }
 }
 
 /// A speed in counts per thousand seconds, as decelerations times ticks are.
 fn thousandfold(velocity: i64) -> i64 {
-    velocity
-        .saturating_abs()
-        .saturating_mul(TICKS_PER_SECOND as i64)
+    product(velocity.saturating_abs(), TICKS_PER_SECOND as u32)
 }

@@ -11,7 +11,7 @@ use super::stretch::Place;
 use crate::limits::Limits;
 use crate::motion::fixed::scale;
 use crate::time::TICKS_PER_SECOND;
-use crate::units::Position;
+use crate::units::{Position, product};
 
 /// Counts that a position may be off by rounding.
 const ROUNDING: i64 = 8;
@@ -28,10 +28,15 @@ const HALVINGS: u32 = 4;
 ///
 /// # Errors
 /// The first limit that is found broken.
-pub(super) fn check(from: &Place, to: &Place, ticks: u16, limits: &Limits) -> Result<i64, Breach> {
+pub(super) fn check<const QUINTIC: bool>(
+    from: &Place,
+    to: &Place,
+    ticks: u16,
+    limits: &Limits,
+) -> Result<i64, Breach> {
     let fastest = limits.velocity().counts();
     let difference = to.position.saturating_sub(from.position);
-    let thousandfold = difference.saturating_mul(TICKS_PER_SECOND as i64);
+    let thousandfold = product(difference, TICKS_PER_SECOND as u32);
     for velocity in [from.velocity, to.velocity] {
         if velocity.saturating_abs() > fastest {
             return Err(Breach::Velocity(velocity));
@@ -60,8 +65,7 @@ pub(super) fn check(from: &Place, to: &Place, ticks: u16, limits: &Limits) -> Re
         acceleration: speeding_up << ACCELERATION_BITS,
         deceleration: limits.deceleration().counts() << ACCELERATION_BITS,
     };
-    // Apart from each other, so that an image whose knots know no acceleration is free of quintics here.
-    if let (Some(first), Some(last)) = (from.acceleration, to.acceleration) {
+    if QUINTIC && let (Some(first), Some(last)) = (from.acceleration, to.acceleration) {
         let shape = Shape::quintic(from, first, to, last, &length)?;
         rates.keep(shape.velocity, shape.acceleration, HALVINGS)?;
         stays(|| shape.velocity, from.position, ticks, limits)?;

@@ -22,9 +22,14 @@ pub(super) struct Piece {
 impl Piece {
     /// Makes the piece from one knot to the next, `ticks` later: quintic where both know their
     /// acceleration, cubic otherwise. There is none where [`super::check`] refuses it.
-    pub(super) fn make(made: &mut Option<Self>, from: &Place, to: &Place, ticks: u16) {
+    pub(super) fn make<const QUINTIC: bool>(
+        made: &mut Option<Self>,
+        from: &Place,
+        to: &Place,
+        ticks: u16,
+    ) {
         let ticks = Divisor::new(ticks);
-        let Ok(shape) = Shape::between(from, to, &ticks) else {
+        let Ok(shape) = Shape::between::<QUINTIC>(from, to, &ticks) else {
             *made = None;
             return;
         };

@@ -4,7 +4,7 @@ use super::stretch::Place;
 use super::{Breach, LONGEST_PIECE};
 use crate::motion::fixed::{ALMOST_ONE, multiply, scale};
 use crate::time::TICKS_PER_SECOND;
-use crate::units::over_power_of_two;
+use crate::units::{over_power_of_two, product};
 use core::num::NonZeroU32;
 
 /// Bits behind the point of a velocity. Over a curve of degree four that stays below 2^43 counts/s,
@@ -47,7 +47,7 @@ pub(super) struct Cubic {
 fn velocities(from: &Place, to: &Place, ticks: &Divisor) -> [i64; 3] {
     let difference = to.position.saturating_sub(from.position);
     // The thousandfold is below 2^43 * 2040 < 2^54.
-    let thousandfold = difference.saturating_mul(TICKS_PER_SECOND as i64);
+    let thousandfold = product(difference, TICKS_PER_SECOND as u32);
     [
         from.velocity << VELOCITY_BITS,
         ticks.divide(thousandfold << VELOCITY_BITS),
@@ -62,9 +62,13 @@ impl Shape {
     /// # Errors
     /// [`Breach::Acceleration`] where a control value is far above any limit. Velocities, the mean one
     /// among them, are to be below 2^43 counts/s, accelerations below 2^50 counts/s^2.
-    pub(super) fn between(from: &Place, to: &Place, ticks: &Divisor) -> Result<Self, Breach> {
+    pub(super) fn between<const QUINTIC: bool>(
+        from: &Place,
+        to: &Place,
+        ticks: &Divisor,
+    ) -> Result<Self, Breach> {
         match (from.acceleration, to.acceleration) {
-            (Some(first), Some(last)) => Self::quintic(from, first, to, last, ticks),
+            (Some(first), Some(last)) if QUINTIC => Self::quintic(from, first, to, last, ticks),
             _ => Ok(Cubic::between(from, to, ticks)?.raised()),
         }
     }

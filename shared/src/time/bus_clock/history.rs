@@ -205,7 +205,7 @@ impl History {
         // no more than the bits of an f32, and a long division of integers costs far more.
         let slope = (count * xy_sum - x_sum * y_sum) << (32 - COARSE);
         let weight = count * (xx_sum + self.inertia) - x_sum * x_sum;
-        let rate = self.rate + (slope as f32 / weight as f32) as i64;
+        let rate = self.rate + i64::from((slope as f32 / weight as f32) as i32);
         let rate = rate.clamp(-LARGEST_RATE, LARGEST_RATE);
         // Below 2^23 * 2^19 * 2^8.
         let gained = ((rate - self.rate) * x_sum) << COARSE;
