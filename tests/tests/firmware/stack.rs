@@ -17,7 +17,7 @@ const FORBIDDEN: u32 = 32 * 1024;
 
 #[test]
 fn the_stack_is_before_the_variables_and_no_function_reaches_over_its_guard() {
-    for (name, _) in IMAGES {
+    for name in IMAGES {
         let path = image::path(name);
         let symbols = Symbols::read(&path);
         let end = symbols.address("_stack_end");
