@@ -24,7 +24,7 @@ PERIPHERALS = [
     (0x48000000, 0x2000),
     (0xE0000000, 0x100000),
 ]
-STACK_ENDS = ("__sheap", "_stack_start")  # names in the image
+STACK_ENDS = ("_stack_end", "_stack_start")
 BLOCK = 0x400  # every peripheral begins at a multiple of that
 
 SLICE = 85  # instructions

@@ -308,6 +308,9 @@ class Controller(Registers):
 
     def sent(self, index):
         """The frame was acknowledged."""
+        # A reset of the chip forgets what is on its way; the frame gets through all the same.
+        if index not in self.waiting:
+            return
         self.waiting.remove(index)
         self.words[SENT] = self.words.get(SENT, 0) | 1 << index
         if self.words.get(SENT_FLAGS, 0) >> index & 1:

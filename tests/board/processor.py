@@ -25,7 +25,7 @@ SOFTWARE_TRIGGER = 0xF00
 RESET_KEY = 0x05FA0000
 RESET_REQUEST = 1 << 2
 # SCB, CPACR, the debugger's and the floating-point unit's: they hold what is written.
-PLAIN = (0xD00, 0xD10, 0xD20, 0xD80, 0xDF0, 0xF30)
+PLAIN = (0xD00, 0xD10, 0xD20, 0xD80, 0xD90, 0xDA0, 0xDF0, 0xF30)
 PRIORITY_BITS = 0xF0  # the upper 4 of 8
 
 RETURN_BY_HOOK = (
