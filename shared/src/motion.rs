@@ -66,7 +66,7 @@ pub use request::{Move, PlanError, Planned, Profile};
 pub use smooth::shortest_s_curve;
 
 use crate::time::Tick;
-use crate::units::{Acceleration, Position, Velocity};
+use crate::units::{Acceleration, Position, Velocity, sum};
 use beta::{Beta, Contribution};
 use chain::{Chain, MOST_PHASES};
 use heapless::Vec;
@@ -179,13 +179,13 @@ impl Motion {
             Some(_) => 0,
             None => self.betas_range(),
         };
-        Position::from_counts(self.rest.saturating_add(over))
+        Position::from_counts(sum(self.rest, over))
     }
 
     fn betas_range(&self) -> i64 {
         self.betas
             .iter()
-            .fold(0, |sum, beta| sum.saturating_add(beta.range().counts()))
+            .fold(0, |all, beta| sum(all, beta.range().counts()))
     }
 
     /// The first tick from which the axis rests at [`Self::target`]; `None` where it already does
@@ -241,7 +241,7 @@ impl Motion {
             let ended = beta.end() <= tick;
             if ended {
                 let range = beta.range().counts();
-                *rest = rest.saturating_add(range);
+                *rest = sum(*rest, range);
                 phases.iter_mut().for_each(|phase| phase.shift(range));
             }
             !ended

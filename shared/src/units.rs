@@ -104,18 +104,16 @@ macro_rules! quantity {
         impl Add for $name {
             type Output = Self;
             /// Saturates: a sum that does not fit stays at the edge.
-            #[inline(never)]
             fn add(self, other: Self) -> Self {
-                Self(self.0.saturating_add(other.0))
+                Self(sum(self.0, other.0))
             }
         }
 
         impl Sub for $name {
             type Output = Self;
             /// Saturates: a difference that does not fit stays at the edge.
-            #[inline(never)]
             fn sub(self, other: Self) -> Self {
-                Self(self.0.saturating_sub(other.0))
+                Self(difference(self.0, other.0))
             }
         }
 
@@ -162,6 +160,18 @@ quantity!(
     (1 << 28) * COUNTS_PER_TURN,
     "/s^3"
 );
+
+/// The sum, which stays at the nearer end where it does not fit: one function for all of them.
+#[inline(never)]
+pub(crate) const fn sum(value: i64, other: i64) -> i64 {
+    value.saturating_add(other)
+}
+
+/// The difference, as [`sum`].
+#[inline(never)]
+pub(crate) const fn difference(value: i64, other: i64) -> i64 {
+    value.saturating_sub(other)
+}
 
 /// The product, and what does not fit cut to the nearer end, `i64::MAX` or its negative.
 /// On a processor of 32 bits that is long, and a third of what two factors of 64 bits would take.

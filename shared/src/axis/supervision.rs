@@ -129,8 +129,10 @@ impl Axis {
             return;
         }
         let setpoint = self.setpoint.position;
-        let away = (report.position - setpoint).abs();
-        let Some(most) = settings.following_error.filter(|most| away > *most) else {
+        // Both are within what Feedback can carry, or nearly: no difference of them wraps.
+        let away = report.position.counts().wrapping_sub(setpoint.counts());
+        let is_over = |most: &Position| away.unsigned_abs() > most.counts().unsigned_abs();
+        let Some(most) = settings.following_error.filter(is_over) else {
             self.astray = 0;
             return;
         };

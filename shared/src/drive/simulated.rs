@@ -48,10 +48,14 @@ impl Drive for Simulated {
             self.enabling += 1;
             return;
         }
-        let error = (self.position - command.position).counts();
+        // Far from the ends of an i64, where both are in a travel.
+        let error = self
+            .position
+            .counts()
+            .wrapping_sub(command.position.counts());
         // Division rounds towards zero, so that the error does reach it.
-        let left = Position::from_counts(over_power_of_two(error, FOLLOWING_SHIFT));
-        self.position = command.position + left;
+        let left = over_power_of_two(error, FOLLOWING_SHIFT);
+        self.position = Position::from_counts(command.position.counts().wrapping_add(left));
         self.velocity = command.velocity;
     }
 

@@ -6,7 +6,7 @@ use super::trapezoid::Trapezoid;
 use super::{Motion, Move, PlanError, Planned, Profile, smooth};
 use crate::limits::Limits;
 use crate::time::{LONGEST_MOVE, Tick, Ticks};
-use crate::units::Position;
+use crate::units::{Position, sum};
 
 impl Motion {
     /// Takes on a move that leaves at `start`, or as soon after as the motion under way allows;
@@ -95,7 +95,7 @@ impl Motion {
             _ => PlanError::TooLong,
         };
         // The base moves by the range; what is laid over it stays as it is.
-        let rest = self.rest.saturating_add(range.counts());
+        let rest = sum(self.rest, range.counts());
         let mut chain = Chain::new(start, self.rest);
         let laid = match asked.profile {
             Profile::Beta => {

@@ -12,7 +12,7 @@ use super::beta::{Beta, PEAK_ACCELERATION, PEAK_JERK, PEAK_VELOCITY};
 use super::fixed::square_root_f32;
 use crate::limits::Limits;
 use crate::time::{LONGEST_MOVE, TICKS_PER_SECOND, Tick, Ticks};
-use crate::units::Position;
+use crate::units::{Position, difference, sum};
 
 /// Windows over what is left of the moves under way: more find a shorter duration, and cost more.
 const WINDOWS: usize = 10;
@@ -250,14 +250,14 @@ impl Room {
     fn at(place: i64, left: impl Iterator<Item = i64>, limits: &Limits) -> Self {
         let (mut back, mut forth) = (0i64, 0i64);
         for range in left {
-            back = back.saturating_add(range.min(0));
-            forth = forth.saturating_add(range.max(0));
+            back = sum(back, range.min(0));
+            forth = sum(forth, range.max(0));
         }
-        let to = |offset: i64| Position::from_counts(place.saturating_add(offset));
+        let to = |offset: i64| Position::from_counts(sum(place, offset));
         if limits.allow(to(back)) && limits.allow(to(forth)) {
             return Self::ENDLESS;
         }
-        let distance = |from: i64, to: i64| to.saturating_sub(from) as f32 * ALLOWED;
+        let distance = |from: i64, to: i64| difference(to, from) as f32 * ALLOWED;
         Self {
             below: distance(limits.position_minimum().counts(), place),
             above: distance(place, limits.position_maximum().counts()),

@@ -12,7 +12,7 @@ use super::Contribution;
 use super::fixed::{multiply, reciprocal, scale};
 use crate::limits::Limits;
 use crate::time::{LONGEST_MOVE, TICKS_PER_SECOND, Tick, Ticks};
-use crate::units::{COUNTS_PER_TURN, Position, over_power_of_two, product, whole};
+use crate::units::{COUNTS_PER_TURN, Position, difference, over_power_of_two, product, sum, whole};
 
 /// Bits behind the point of the position's coefficients.
 ///
@@ -236,7 +236,7 @@ impl Phase {
         let shift = duration.leading_zeros();
         let raised = duration << shift;
         let time = Factor::new(raised, shift);
-        let ramp = exit.acceleration.saturating_sub(entry.acceleration);
+        let ramp = difference(exit.acceleration, entry.acceleration);
         let change = time.times(entry.acceleration);
         // Counts with the bits of an acceleration, raised to those of a coefficient.
         let way = |rate: i64| {
@@ -253,7 +253,7 @@ impl Phase {
             exit.velocity >> VELOCITY_BITS,
         );
         let change = change >> ACCELERATION_BITS;
-        let velocity = [start, change, (end - start).saturating_sub(change)];
+        let velocity = [start, change, difference(end - start, change)];
         let acceleration = [
             entry.acceleration >> ACCELERATION_BITS,
             ramp >> ACCELERATION_BITS,
@@ -306,15 +306,15 @@ impl Phase {
     /// Moves its exit to the place `to`, raised by [`COEFFICIENT_BITS`]: takes up the rounding of
     /// a whole chain, so that its last phase ends exactly where it was meant to.
     pub(crate) fn end_at(&mut self, to: i64) {
-        let missing = to.saturating_sub(self.exit());
+        let missing = difference(to, self.exit());
         let [linear, ..] = &mut self.position;
-        *linear = linear.saturating_add(missing);
+        *linear = sum(*linear, missing);
     }
 
     /// Moves the whole phase by `counts`.
     pub(crate) fn shift(&mut self, counts: i64) {
         let raised = product(counts, 1 << COEFFICIENT_BITS);
-        self.from = self.from.saturating_add(raised);
+        self.from = sum(self.from, raised);
     }
 
     /// Marks the first phase of a move that leaves from rest, and that can be dropped as long as
@@ -363,12 +363,12 @@ impl Phase {
             let square = v1 * v1 - 4.0 * v2 * v0;
             if square >= 0.0 {
                 // Both roots without cancellation.
-                let sum = -0.5 * (v1 + libm::sqrt(square).copysign(v1));
-                for u in [sum / v2, v0 / sum] {
+                let half = -0.5 * (v1 + libm::sqrt(square).copysign(v1));
+                for u in [half / v2, v0 / half] {
                     if u > 0.0 && u < 1.0 {
                         let [d1, d2, d3] = self.position.map(|coefficient| coefficient as f64);
                         let moved = u * (d1 + u * (d2 + u * d3));
-                        let place = self.from.saturating_add(whole(moved));
+                        let place = sum(self.from, whole(moved));
                         reach = (reach.0.min(place), reach.1.max(place));
                     }
                 }
@@ -380,7 +380,7 @@ impl Phase {
     /// The place where the next phase begins, raised by [`COEFFICIENT_BITS`].
     pub(crate) fn exit(&self) -> i64 {
         let [d1, d2, d3] = self.position;
-        self.from.saturating_add(d1 + d2 + d3)
+        sum(self.from, d1 + d2 + d3)
     }
 
     /// The motion at a tick that the phase covers.
@@ -525,7 +525,7 @@ fn shifted(value: u64, exponent: i32) -> u64 {
 
 /// `value` times 2^`bits`, rounded to the nearest; saturates.
 #[inline(never)]
-fn fixed(value: f64, bits: i32) -> i64 {
+pub(super) fn fixed(value: f64, bits: i32) -> i64 {
     let (mantissa, exponent) = parts(value);
     let magnitude = shifted(mantissa, exponent + bits).min(i64::MAX as u64) as i64;
     if value.is_sign_negative() {

@@ -23,8 +23,9 @@ pub use trajectory::Shaped;
 
 use super::Setpoint;
 use super::fixed::scale;
+use super::phase::fixed;
 use crate::time::Ticks;
-use crate::units::{Acceleration, Position, Velocity, whole};
+use crate::units::{Acceleration, Position, Velocity};
 use heapless::Vec;
 
 /// Past setpoints that a shaper keeps, 3 KiB of 16 bytes each: the longest delay in ticks. Half a
@@ -178,7 +179,7 @@ impl Shaper {
         let taps = shaping.map(Shaping::taps).unwrap_or_default();
         for (ticks, part) in taps.into_iter().skip(1) {
             // A part is below one, so 2^63 times it fits.
-            let weight = (whole(part * 9_223_372_036_854_775_808.0) as u64) << 1;
+            let weight = (fixed(part, 63) as u64) << 1;
             let share = (weight >> (u64::BITS - SHARE_BITS)) as i32;
             // Room for all but the first: there is no error to look at.
             let _ = self.taps.push(Tap {

@@ -41,6 +41,7 @@ use brake::Brake;
 use core::num::NonZeroU8;
 use heapless::Deque;
 use piece::Piece;
+use shape::Divisor;
 use stretch::{Place, Stretch};
 
 /// Stretches that a stream holds: the one under way and 100 ms ahead of it at a period of 10 ms.
@@ -103,6 +104,8 @@ pub struct AnyStream<const QUINTIC: bool> {
     /// The tick of the last knot: from there on it brakes.
     ends: Tick,
     period: NonZeroU8,
+    /// The period, to divide by: a stretch over missing knots is longer.
+    length: Divisor,
     /// The number of the last knot.
     number: u8,
     last: Place,
@@ -126,6 +129,7 @@ impl<const QUINTIC: bool> AnyStream<QUINTIC> {
             from,
             ends: start,
             period,
+            length: Divisor::new(period.get().into()),
             number,
             last: from,
             exit: state.acceleration.counts(),
@@ -189,20 +193,22 @@ impl<const QUINTIC: bool> AnyStream<QUINTIC> {
         if !limits.allow(knot.position) {
             return Err(outside(to.position));
         }
-        let exit = check::check::<QUINTIC>(&self.last, &to, ticks, limits).map_err(|breach| {
-            let limit = limits.velocity();
-            match breach {
-                Breach::Travel(position) => outside(position),
-                Breach::Velocity(velocity) => KnotError::TooFast {
-                    velocity: Velocity::from_counts(velocity),
-                    limit,
-                },
-                Breach::Acceleration(acceleration) => KnotError::TooStrong {
-                    acceleration: Acceleration::from_counts(acceleration),
-                    limit: limits.slower_acceleration(),
-                },
-            }
-        })?;
+        let exit = check::check::<QUINTIC>(&self.last, &to, ticks, &self.length, limits).map_err(
+            |breach| {
+                let limit = limits.velocity();
+                match breach {
+                    Breach::Travel(position) => outside(position),
+                    Breach::Velocity(velocity) => KnotError::TooFast {
+                        velocity: Velocity::from_counts(velocity),
+                        limit,
+                    },
+                    Breach::Acceleration(acceleration) => KnotError::TooStrong {
+                        acceleration: Acceleration::from_counts(acceleration),
+                        limit: limits.slower_acceleration(),
+                    },
+                }
+            },
+        )?;
         can_stop(knot, limits)?;
         let stretch = Stretch::new(&to, ahead);
         if self.stretches.push_back(stretch).is_err() {
@@ -225,7 +231,7 @@ impl<const QUINTIC: bool> AnyStream<QUINTIC> {
             && let Some(first) = self.stretches.front()
         {
             let (to, ticks) = (first.to(), first.ticks(self.period));
-            Piece::make::<QUINTIC>(&mut self.piece, &self.from, &to, ticks);
+            Piece::make::<QUINTIC>(&mut self.piece, &self.from, &to, ticks, &self.length);
         }
     }
 
@@ -306,7 +312,7 @@ impl<const QUINTIC: bool> AnyStream<QUINTIC> {
             if left < u32::from(ticks) {
                 let from = before.map_or(self.from, Stretch::to);
                 let mut piece = None;
-                Piece::make::<QUINTIC>(&mut piece, &from, &stretch.to(), ticks);
+                Piece::make::<QUINTIC>(&mut piece, &from, &stretch.to(), ticks, &self.length);
                 if let Some(piece) = piece {
                     return piece.at(left);
                 }

@@ -139,13 +139,10 @@ impl BusClock {
     /// Bus time at a local time.
     #[inline(never)]
     pub fn bus_time(&self, local: LocalTime) -> BusTime {
+        // A SYNC carries 56 bits and a device's own clock does not come to more: no sum here wraps.
         let elapsed = local.0.wrapping_sub(self.local.0) as i64;
-        let correction = self.correction(elapsed) >> FINE;
-        BusTime(
-            self.bus
-                .0
-                .saturating_add_signed(elapsed.saturating_add(correction)),
-        )
+        let passed = elapsed.wrapping_add(self.correction(elapsed) >> FINE);
+        BusTime(self.bus.0.saturating_add_signed(passed))
     }
 
     /// The least local time at which [`Self::bus_time`] shows at least `bus`, give or take 1 us.
@@ -153,8 +150,8 @@ impl BusClock {
     pub fn local_time(&self, bus: BusTime) -> LocalTime {
         let elapsed = bus.0.wrapping_sub(self.bus.0) as i64;
         // The correction belongs to the local time; the first guess of that is off by a 1000th.
-        let guess = elapsed.saturating_sub(self.correction(elapsed) >> FINE);
-        let corrected = elapsed.saturating_sub(self.correction(guess) >> FINE);
+        let guess = elapsed.wrapping_sub(self.correction(elapsed) >> FINE);
+        let corrected = elapsed.wrapping_sub(self.correction(guess) >> FINE);
         LocalTime(self.local.0.saturating_add_signed(corrected))
     }
 

@@ -22,7 +22,7 @@
 use super::CAPACITY;
 use crate::motion::elementary::{exponential, sine};
 use crate::time::{TICKS_PER_SECOND, Ticks};
-use crate::units::floor;
+use crate::units::whole;
 use core::f64::consts::{PI, TAU};
 use core::fmt;
 use heapless::Vec;
@@ -269,7 +269,7 @@ impl Shaping {
     pub(super) fn taps(&self) -> Vec<Tap, MOST_IMPULSES> {
         let turn = TAU * self.frequency / TICKS_PER_SECOND as f64;
         let (angle, decay) = (turn * undamped(self.damping), turn * self.damping);
-        let early = floor(PI / angle) as u32;
+        let early = whole(PI / angle) as u32;
         let late = early + 1;
         let alpha = snap(PI - f64::from(early) * angle, angle);
         let beta = angle - alpha;

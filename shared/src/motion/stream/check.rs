@@ -11,7 +11,7 @@ use super::stretch::Place;
 use crate::limits::Limits;
 use crate::motion::fixed::scale;
 use crate::time::TICKS_PER_SECOND;
-use crate::units::{Position, product};
+use crate::units::{Position, difference, product, sum};
 
 /// Counts that a position may be off by rounding.
 const ROUNDING: i64 = 8;
@@ -32,17 +32,18 @@ pub(super) fn check<const QUINTIC: bool>(
     from: &Place,
     to: &Place,
     ticks: u16,
+    known: &Divisor,
     limits: &Limits,
 ) -> Result<i64, Breach> {
     let fastest = limits.velocity().counts();
-    let difference = to.position.saturating_sub(from.position);
+    let difference = difference(to.position, from.position);
     let thousandfold = product(difference, TICKS_PER_SECOND as u32);
     for velocity in [from.velocity, to.velocity] {
         if velocity.saturating_abs() > fastest {
             return Err(Breach::Velocity(velocity));
         }
     }
-    let length = Divisor::new(ticks);
+    let length = known.or_new(ticks);
     if thousandfold.saturating_abs() > fastest * i64::from(ticks) {
         return Err(Breach::Velocity(length.divide(thousandfold)));
     }
@@ -88,8 +89,8 @@ fn stays(
     // Mostly the ends of the travel are too far away to be reached in this time.
     let whole = u64::from(ticks).wrapping_mul(TICK);
     let reach = scale(limits.velocity().counts(), whole) + ROUNDING;
-    let least = Position::from_counts(position.saturating_sub(reach));
-    let greatest = Position::from_counts(position.saturating_add(reach));
+    let least = Position::from_counts(difference(position, reach));
+    let greatest = Position::from_counts(sum(position, reach));
     if ticks < SECOND && limits.allow(least) && limits.allow(greatest) {
         return Ok(());
     }

@@ -21,14 +21,16 @@ pub(super) struct Piece {
 
 impl Piece {
     /// Makes the piece from one knot to the next, `ticks` later: quintic where both know their
-    /// acceleration, cubic otherwise. There is none where [`super::check`] refuses it.
+    /// acceleration, cubic otherwise. There is none where [`super::check`] refuses it. A divisor that is
+    /// known may be the one for `ticks`.
     pub(super) fn make<const QUINTIC: bool>(
         made: &mut Option<Self>,
         from: &Place,
         to: &Place,
         ticks: u16,
+        known: &Divisor,
     ) {
-        let ticks = Divisor::new(ticks);
+        let ticks = known.or_new(ticks);
         let Ok(shape) = Shape::between::<QUINTIC>(from, to, &ticks) else {
             *made = None;
             return;

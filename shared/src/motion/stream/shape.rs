@@ -183,12 +183,22 @@ impl Divisor {
         Self { by, part }
     }
 
+    /// For another number, where it is one: mostly all pieces of a stream last equally long.
+    #[inline(never)]
+    pub(super) const fn or_new(self, by: u16) -> Self {
+        if self.get() == by as u32 {
+            self
+        } else {
+            Self::new(by)
+        }
+    }
+
     /// One over it, as a Q64 fraction, rounded down; of one [`ALMOST_ONE`].
     pub(super) fn part(&self) -> u64 {
         self.part
     }
 
-    pub(super) fn get(&self) -> u32 {
+    pub(super) const fn get(&self) -> u32 {
         self.by.get()
     }
 
