@@ -14,8 +14,6 @@
 pub mod scenario;
 
 #[cfg(target_arch = "arm")]
-pub mod empty;
-#[cfg(target_arch = "arm")]
 mod machine;
 // What the product's images copy with: it counts in every figure.
 #[cfg(target_arch = "arm")]

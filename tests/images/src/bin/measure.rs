@@ -4,7 +4,7 @@
 
 use core::hint::black_box;
 
-use canter_images::{Spread, count, empty, finish, report};
+use canter_images::{Spread, count, finish, report};
 use canter_shared::drive::simulated::Simulated;
 use canter_shared::limits::Limits;
 use canter_shared::motion::beta::Beta;
@@ -22,7 +22,6 @@ const SESSION: u16 = 1;
 fn main() -> ! {
     report("calibration.nops_1000", count(nops_1000));
     measure_beta();
-    empty::measure();
     measure_node();
     finish()
 }

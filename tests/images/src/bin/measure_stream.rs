@@ -5,7 +5,7 @@
 use core::hint::black_box;
 use core::num::NonZeroU8;
 
-use canter_images::{count, empty, finish, report};
+use canter_images::{count, finish, report};
 use canter_shared::axis::Axis;
 use canter_shared::axis::fault::Fault;
 use canter_shared::axis::state::State;
@@ -228,7 +228,6 @@ fn measure_streaming_axis() {
     {
         tick(&mut node, &mut braking);
     }
-    empty::measure();
     report("node.stream_begin", begin);
     report("node.knot.most", knot);
     report("node.tick_stream.most", streaming);
