@@ -68,6 +68,18 @@ proptest! {
             }
             // Braking may take the whole travel.
             Err(KnotError::CannotStop { .. }) => {}
+            // From near the end of the travel the curve swings out, or nearly, as it is looked at in parts.
+            Err(KnotError::OutsideTravel { position, .. }) => {
+                prop_assert!(!limits.allow(position));
+                let way = |part: u32| curve.at(f64::from(part) / 1e3)[0];
+                let swing = (0..=1_000).map(way).fold(0.0, |most: f64, way| most.max(way.abs()));
+                let nearly = Position::from_counts((swing / 100.0) as i64);
+                let leaves = |part: u32| {
+                    let place = from.position + Position::from_counts(way(part) as i64);
+                    !limits.allow(place - nearly) || !limits.allow(place + nearly)
+                };
+                prop_assert!((0..=1_000).any(leaves), "{position:?}");
+            }
             Err(other) => prop_assert!(false, "{other}"),
         }
         if pushed.is_err() {

@@ -49,7 +49,9 @@ pub(super) fn check<const QUINTIC: bool>(
     }
     let speeding_up = limits.acceleration().counts();
     let strongest = speeding_up.max(limits.deceleration().counts());
-    for end in [from, to] {
+    // Where an end leaves its acceleration to the curve, no other than the curve's is followed.
+    let known = QUINTIC && from.acceleration.is_some() && to.acceleration.is_some();
+    for end in [from, to].into_iter().filter(|_| known) {
         let acceleration = end.acceleration.unwrap_or_default();
         // Whoever stands cannot slow down.
         let limit = if end.velocity == 0 {
