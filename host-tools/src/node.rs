@@ -182,13 +182,13 @@ pub fn run(
             hear_drives(&mut node, drives, &mut summary)?;
         }
         let now = LocalTime(bus.now().0);
-        run_due_ticks(&mut node, bus, now, &mut trace, &mut summary)?;
+        run_due_ticks(&mut node, now, now, &mut trace, &mut summary)?;
         // First: a setpoint is for its tick.
         if let Some(drives) = drives.as_deref_mut() {
             lead_drives(&mut node, drives, &mut summary)?;
         }
         save(&mut node, origin.store);
-        transmit(&mut node, bus, &mut summary)?;
+        transmit(&mut node, bus, now, &mut summary)?;
         // The node's clock is the bus's own: its local time is what the bus shows.
         let mut until = BusTime(node.next_tick().0);
         for _ in 0..FRAMES_IN_A_ROW {
@@ -198,7 +198,7 @@ pub fn run(
             let at = LocalTime(received.time.0);
             // A process that was held up makes good for it in the order of time: a knot that finds ticks
             // undone would find no room, and the next one a gap.
-            run_due_ticks(&mut node, bus, at, &mut trace, &mut summary)?;
+            run_due_ticks(&mut node, at, now.max(at), &mut trace, &mut summary)?;
             match received.event {
                 Event::Frame(frame) => {
                     node.handle_frame(at, &frame);
@@ -216,11 +216,11 @@ pub fn run(
     Ok(summary)
 }
 
-/// Does the ticks that are due by `until`.
+/// Does the ticks that are due by `until`, which is `now` or earlier.
 fn run_due_ticks(
     node: &mut HostNode,
-    bus: &mut impl Bus,
     until: LocalTime,
+    now: LocalTime,
     trace: &mut Option<Trace>,
     summary: &mut Summary,
 ) -> Result<(), HostNodeError> {
@@ -229,7 +229,6 @@ fn run_due_ticks(
         if until < due {
             return Ok(());
         }
-        let now = LocalTime(bus.now().0);
         if due.0 > 0 {
             let late = now.since(due);
             summary.latest = summary.latest.max(late);
@@ -297,9 +296,9 @@ fn save(node: &mut HostNode, store: Option<&StoreFile>) {
 fn transmit(
     node: &mut HostNode,
     bus: &mut impl Bus,
+    now: LocalTime,
     summary: &mut Summary,
 ) -> Result<(), HostNodeError> {
-    let now = LocalTime(bus.now().0);
     while let Some(frame) = node.poll_transmit(now) {
         match bus.send(&frame) {
             Ok(()) => {}

@@ -28,7 +28,7 @@ need() {
         busybox-static) command -v busybox >/dev/null && continue ;;
         iproute2) command -v ip >/dev/null && continue ;;
         can-utils) command -v candump >/dev/null && command -v cansend >/dev/null && continue ;;
-        user-mode-linux) command -v linux.uml >/dev/null && continue ;;
+        qemu-system-x86) command -v qemu-system-x86_64 >/dev/null && continue ;;
         chromium) command -v chromium chromium-browser google-chrome >/dev/null && continue ;;
         qemu-system-arm) command -v qemu-system-arm >/dev/null && continue ;;
         esac

@@ -1,5 +1,5 @@
 //! Tests on real SocketCAN buses. The `vcan` part of tests/run makes vcan0 to vcan23 for them, in
-//! the kernel that runs or inside user-mode Linux; each test has a bus of its own.
+//! the kernel that runs or in an emulated machine; each test has a bus of its own.
 
 mod vcan {
     mod double;

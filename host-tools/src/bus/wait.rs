@@ -31,9 +31,13 @@ pub(super) struct WallClock {
 }
 
 impl WallClock {
-    /// How long a comparison holds: a wall clock that is being corrected drifts by at most
-    /// 500 ppm, 5 ns in this time, and one that is set is noticed at the next frames.
-    const COMPARISON_HOLDS: u64 = 10_000;
+    /// How long a comparison holds, in microseconds. The kernel steers both clocks alike: only one that is
+    /// set goes wrong, by so little that it is not seen, and for no longer than this.
+    const COMPARISON_HOLDS: u64 = 100_000;
+
+    /// How far outside the possible an arrival may seem before the wall clock counts as set, in
+    /// microseconds: the thread may have been put aside within a comparison.
+    const TOLERANCE: u64 = 1_000;
 
     /// The wall clock as it is now.
     pub(super) fn new() -> Self {
@@ -55,12 +59,18 @@ impl WallClock {
         }
     }
 
-    /// The bus time at which the wall clock showed `wall`, in microseconds; `now` is the
-    /// present.
-    pub(super) fn bus_time(&mut self, wall: u64, now: BusTime) -> BusTime {
-        if now.0.saturating_sub(self.compared.0) > Self::COMPARISON_HOLDS {
+    /// The bus time at which the wall clock showed `wall`, in microseconds, which was at or after `earliest`
+    /// and before `now`, the present.
+    pub(super) fn bus_time(&mut self, wall: u64, earliest: BusTime, now: BusTime) -> BusTime {
+        let possible = earliest.0.saturating_sub(Self::TOLERANCE)..=now.0 + Self::TOLERANCE;
+        let is_old = now.0.saturating_sub(self.compared.0) > Self::COMPARISON_HOLDS;
+        if is_old || !possible.contains(&self.shown(wall).0) {
             *self = Self::new();
         }
+        self.shown(wall).min(now).max(earliest)
+    }
+
+    fn shown(&self, wall: u64) -> BusTime {
         BusTime(wall.saturating_add_signed(self.lead.saturating_neg()))
     }
 }
@@ -102,10 +112,10 @@ mod tests {
     #[test]
     fn what_the_wall_clock_shows_now_is_now() {
         let before = monotonic_time();
-        let mut wall_clock = WallClock::new();
+        let wall_clock = WallClock::new();
         let wall = microseconds(ClockId::CLOCK_REALTIME);
         let now = monotonic_time();
-        let shown = wall_clock.bus_time(wall, now);
+        let shown = wall_clock.shown(wall);
         // Each reading is cut to whole microseconds, and the bracket's middle is a guess.
         let bracket = now.0 - before.0 + 3;
         assert!(shown.0.abs_diff(now.0) <= bracket, "{shown:?} {now:?}");
@@ -118,8 +128,24 @@ mod tests {
             lead: 0,
             compared: BusTime(now.0 - WallClock::COMPARISON_HOLDS),
         };
-        assert_eq!(wall_clock.bus_time(5, now), BusTime(5));
-        wall_clock.bus_time(5, BusTime(now.0 + 1));
+        let wall = now.0 - 5;
+        assert_eq!(wall_clock.bus_time(wall, BusTime(0), now), BusTime(wall));
+        wall_clock.bus_time(wall, BusTime(0), BusTime(now.0 + 1));
         assert_ne!(wall_clock.lead, 0);
+    }
+
+    #[test]
+    fn a_clock_that_was_set_is_noticed_at_once() {
+        for ahead in [-3_600_000_000, -2_000, 2_000, 3_600_000_000] {
+            let earliest = monotonic_time();
+            let mut wall_clock = WallClock::new();
+            let right = wall_clock.lead;
+            wall_clock.lead += ahead;
+            let wall = microseconds(ClockId::CLOCK_REALTIME);
+            let now = monotonic_time();
+            let arrived = wall_clock.bus_time(wall, earliest, now);
+            assert!((earliest..=now).contains(&arrived));
+            assert!(wall_clock.lead.abs_diff(right) < 1_000, "{ahead}");
+        }
     }
 }

@@ -28,7 +28,8 @@ pub fn run(
                 }
                 send(bus, stations)?;
             }
-            if bus.now().0 >= next {
+            // A frame that came later waited for the tick, if only by the time that it was taken at.
+            if received.time.0 >= next {
                 break;
             }
         }

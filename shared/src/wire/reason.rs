@@ -137,7 +137,9 @@ impl Reason {
             Self::TooLong => "choose a shorter move or higher limits",
             Self::StaleSequence => "number commands upwards, or hold the axis again",
             Self::TooLate => "name a later start time",
-            Self::DriveNotReady => "look at the drive",
+            Self::DriveNotReady => {
+                "see to its power and its bus; clear takes back a fault of its own"
+            }
             Self::Moving => "stop the axis and wait until it rests",
             Self::BadValue => "see the protocol's table",
             Self::Overtaken => "wait for a move's answer before the next",

@@ -1,7 +1,7 @@
 //! A stream that makes its pieces as it goes says the same as one that is only asked.
 
 use super::{START, knot, limits, period, sines};
-use canter_shared::motion::stream::{Pushed, Stream};
+use canter_shared::motion::stream::{LONGEST_GAP, Pushed, Stream};
 use canter_shared::time::{Tick, Ticks};
 use proptest::prelude::*;
 
@@ -20,8 +20,11 @@ proptest! {
         let asked = Stream::new(START, 0, at(0), period(ticks));
         let mut streams = [asked.clone(), asked];
         let mut now = START;
+        let mut missing = 0;
         for (number, (lost, quintic)) in knots.into_iter().enumerate().skip(1) {
-            if lost {
+            // Longer gaps are refused.
+            missing = if lost && missing + 1 < LONGEST_GAP { missing + 1 } else { 0 };
+            if missing > 0 {
                 continue;
             }
             let knot = knot(at(number), quintic);

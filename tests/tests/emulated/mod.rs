@@ -312,12 +312,13 @@ impl Served {
         of_axis.copied().collect()
     }
 
-    /// Waits for a setpoint of `axis`, from now on.
+    /// Waits until the setpoint of `axis` is so; one that stands says so once.
     #[track_caller]
     pub fn wait_for(&self, what: &str, axis: u8, wanted: impl Fn(&Record) -> bool) -> Record {
         let given_up = Instant::now() + PATIENCE;
         let mut records = self.log.lock();
-        let mut seen = records.len();
+        let last = records.iter().rposition(|record| record.axis == axis);
+        let mut seen = last.unwrap_or(0);
         loop {
             let new = records[seen..].iter();
             if let Some(found) = new

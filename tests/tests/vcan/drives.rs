@@ -128,7 +128,7 @@ impl Driven {
         assert_eq!(moved.status.code(), Some(1), "{moved:#?}");
         let status = self.run("status --json").success().json();
         let first = &status["axes"][0];
-        assert_eq!(first["state"], "fault", "{status}");
+        assert_eq!(first["state"], "fault", "{status} {moved:#?}");
         // Nothing goes on by itself, and a host is told why.
         let refused = self.run("move 1=0 --enable");
         assert_eq!(refused.status.code(), Some(1), "{refused:#?}");
@@ -303,6 +303,8 @@ fn drives_whose_node_was_killed_stop_by_their_own_watchdogs() {
         "cia402 --watchdog 0.3",
     ] {
         let mut driven = Driven::start(["vcan22", "vcan23"], kind);
+        // A machine that takes long to start the node finds its drives stopped already.
+        driven.run("clear all").success();
         driven.enable();
         let moving = Process::spawn(&mut driven.command(LONG_MOVE));
         wait_for(driven.bus, "motion", axis(1), |report| match report {

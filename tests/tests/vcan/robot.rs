@@ -117,15 +117,18 @@ pub fn wait_for(bus: &str, what: &str, axis: AxisId, wanted: impl Fn(&Report) ->
 #[track_caller]
 fn wait_for_report(socket: &CanSocket, what: &str, axis: AxisId, wanted: impl Fn(&Report) -> bool) {
     let given_up = Instant::now() + PATIENCE;
+    let mut last = None;
     while Instant::now() < given_up {
         if let Some((from, report)) = next_report(socket, PATIENCE)
             && from == axis
-            && wanted(&report)
         {
-            return;
+            if wanted(&report) {
+                return;
+            }
+            last = Some(report);
         }
     }
-    panic!("no {what}");
+    panic!("no {what}; the last that axis {axis} said: {last:?}");
 }
 
 /// The next frame of the bus as a report, where it is one.
