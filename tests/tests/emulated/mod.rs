@@ -62,6 +62,9 @@ impl Record {
     }
 }
 
+/// How long an answer is waited for before the question is asked again.
+const BETWEEN_QUESTIONS: Duration = Duration::from_millis(100);
+
 /// A running node.
 pub struct Emulated {
     bus: TcpStream,
@@ -152,21 +155,44 @@ impl Emulated {
     fn wait_for_boot(&mut self) {
         // Bytes that come before it has switched its UART on are dropped, as on a real chip: it is
         // asked for its version until it answers.
-        let patient = self.bus.set_read_timeout(Some(Duration::from_millis(100)));
-        patient.expect("a socket takes its options");
+        self.ask_until("the boot", b"V\r", |_, _| true);
+        // Answers to the questions before the last one may still come.
+        self.be_patient_for(BETWEEN_QUESTIONS);
+        while self.bus.read_exact(&mut [0]).is_ok() {}
+        self.be_patient_for(PATIENCE);
+    }
+
+    fn be_patient_for(&self, limit: Duration) {
+        let taken = self.bus.set_read_timeout(Some(limit));
+        taken.expect("a socket takes its options");
+    }
+
+    /// Reads byte after byte until `wanted` has what it waits for; while none comes, sends `question` again and
+    /// again.
+    #[track_caller]
+    fn ask_until(
+        &mut self,
+        what: &str,
+        question: &[u8],
+        mut wanted: impl FnMut(&mut Decoder, u8) -> bool,
+    ) {
+        self.be_patient_for(BETWEEN_QUESTIONS);
         let given_up = Instant::now() + PATIENCE;
         let mut byte = [0];
         loop {
-            assert!(Instant::now() < given_up, "the node does not boot");
-            self.write(b"V\r");
-            if self.bus.read_exact(&mut byte).is_ok() {
-                break;
+            assert!(Instant::now() < given_up, "{what} does not come");
+            match self.bus.read_exact(&mut byte) {
+                Ok(()) if wanted(&mut self.decoder, byte[0]) => break,
+                Ok(()) => {}
+                Err(error)
+                    if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) =>
+                {
+                    self.write(question);
+                }
+                Err(error) => panic!("the node's bus: {error}"),
             }
         }
-        // Answers to the questions before the last one may still come.
-        while self.bus.read_exact(&mut byte).is_ok() {}
-        let patient = self.bus.set_read_timeout(Some(PATIENCE));
-        patient.expect("a socket takes its options");
+        self.be_patient_for(PATIENCE);
     }
 
     pub fn write(&mut self, bytes: &[u8]) {
@@ -194,31 +220,12 @@ impl Emulated {
         what: &str,
         mut wanted: impl FnMut(AxisId, Report) -> bool,
     ) {
-        let patient = self.bus.set_read_timeout(Some(Duration::from_millis(100)));
-        patient.expect("a socket takes its options");
-        let given_up = Instant::now() + PATIENCE;
-        let mut byte = [0];
-        loop {
-            assert!(Instant::now() < given_up, "{what} does not come");
-            match self.bus.read_exact(&mut byte) {
-                Ok(()) => {}
-                Err(error)
-                    if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) =>
-                {
-                    self.write(b"O\r");
-                    continue;
-                }
-                Err(error) => panic!("the node's bus: {error}"),
-            }
-            if let Some(Ok(Line::Frame(frame))) = self.decoder.push(byte[0])
-                && let Ok(Some((axis, report))) = Report::decode(&frame)
-                && wanted(axis, report)
-            {
-                break;
-            }
-        }
-        let patient = self.bus.set_read_timeout(Some(PATIENCE));
-        patient.expect("a socket takes its options");
+        self.ask_until(what, b"O\r", |decoder, byte| {
+            let Some(Ok(Line::Frame(frame))) = decoder.push(byte) else {
+                return false;
+            };
+            matches!(Report::decode(&frame), Ok(Some((axis, report))) if wanted(axis, report))
+        });
     }
 
     /// The next report that the node sends.
