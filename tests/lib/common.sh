@@ -25,7 +25,7 @@ need() {
         python3-venv) python3 -c 'import ensurepip, venv' 2>/dev/null && continue ;;
         gcc) command -v cc >/dev/null && continue ;;
         g++) command -v c++ >/dev/null && continue ;;
-        busybox-static) command -v busybox >/dev/null && continue ;;
+        busybox-static) command -v busybox >/dev/null && ! ldd "$(command -v busybox)" >/dev/null 2>&1 && continue ;;
         iproute2) command -v ip >/dev/null && continue ;;
         can-utils) command -v candump >/dev/null && command -v cansend >/dev/null && continue ;;
         qemu-system-x86) command -v qemu-system-x86_64 >/dev/null && continue ;;

@@ -10,32 +10,38 @@ guest_modules=(drivers/virtio/virtio drivers/virtio/virtio_ring drivers/virtio/v
     fs/netfs/netfs fs/fscache/fscache fs/9p/9p
     net/can/can net/can/can-raw drivers/net/can/dev/can-dev drivers/net/can/vcan)
 
-# The name of Debian's package with the present kernel.
-guest_package() { apt-cache depends linux-image-amd64 2>/dev/null | awk '/Depends: linux-image-/ { print $2; exit }'; }
+# find_guest: sets `package` to the name of Debian's package with the present kernel, and `guest` to the place
+# that it is unpacked to; fails where it is not.
+find_guest() {
+    package=$(apt-cache depends linux-image-amd64 2>/dev/null | awk '/Depends: linux-image-/ { print $2; exit }')
+    guest=$CARGO_TARGET_DIR/guest/$package
+    [ -n "$package" ] && [ -d "$guest" ]
+}
+
+unpack_guest() {
+    local unpacked module
+    say "unpacking $package"
+    unpacked=$(mktemp -d "$CARGO_TARGET_DIR/unpacked.XXXXXX")
+    mkdir -p "$unpacked/kept/modules"
+    (cd "$unpacked" && apt-get download -qq -o APT::Sandbox::User=root "$package" && dpkg -x ./*.deb .)
+    cp "$unpacked"/boot/vmlinuz-* "$unpacked/kept/vmlinuz"
+    for module in "${guest_modules[@]}"; do
+        cp "$unpacked"/lib/modules/*/kernel/"$module.ko" "$unpacked/kept/modules/"
+    done
+    mkdir -p "${guest%/*}"
+    mv "$unpacked/kept" "$guest"
+    rm -rf "$unpacked"
+}
 
 # need_guest: QEMU, a kernel and its first file system. Nothing is installed of the kernel: it is unpacked.
 need_guest() {
     need qemu-system-x86 busybox-static
-    local package unpacked module
-    package=$(guest_package)
-    if [ -z "$package" ]; then
+    if ! find_guest; then
+        # Lists that are old name a kernel that is no longer there.
         as_root apt-get update -qq
-        package=$(guest_package)
-    fi
-    [ -n "$package" ] || die "there is no package linux-image-amd64: run this on Debian, or on a kernel with CAN"
-    guest=$CARGO_TARGET_DIR/guest/$package
-    if [ ! -d "$guest" ]; then
-        say "unpacking $package"
-        unpacked=$(mktemp -d "$CARGO_TARGET_DIR/unpacked.XXXXXX")
-        mkdir -p "$unpacked/kept/modules"
-        (cd "$unpacked" && apt-get download -qq -o APT::Sandbox::User=root "$package" && dpkg -x ./*.deb .)
-        cp "$unpacked"/boot/vmlinuz-* "$unpacked/kept/vmlinuz"
-        for module in "${guest_modules[@]}"; do
-            cp "$unpacked"/lib/modules/*/kernel/"$module.ko" "$unpacked/kept/modules/"
-        done
-        mkdir -p "${guest%/*}"
-        mv "$unpacked/kept" "$guest"
-        rm -rf "$unpacked"
+        find_guest || true
+        [ -n "$package" ] || die "there is no package linux-image-amd64: run this on Debian, or on a kernel with CAN"
+        [ -d "$guest" ] || unpack_guest
     fi
     local root=$guest/root
     rm -rf "$root"
