@@ -198,7 +198,6 @@ impl Cia402 {
 
     fn lead(&mut self, command: &DriveCommand) {
         let control = if self.resets && self.status() == Status::Fault {
-            self.resets = false;
             FAULT_RESET
         } else if !command.enable || self.trouble.is_some() || self.is_gone() {
             DISABLE_VOLTAGE
@@ -325,6 +324,8 @@ impl Drive for Cia402 {
             return frame(SDO_REQUEST + self.node, payload, 8);
         }
         let word = self.rpdo.take()?;
+        // Only now: a bus that takes longer than a tick sends the newest word, and none before it.
+        self.resets &= word as u16 != FAULT_RESET;
         frame(RPDO1 + self.node, word, 6)
     }
 

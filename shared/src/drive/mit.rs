@@ -207,7 +207,9 @@ impl Drive for Mit {
                 if let Order::Entering(ago) = order {
                     self.order = Order::Entering(ago + 1);
                 }
-                if self.wait == 0 {
+                // The word to enter goes first, also where the bus takes longer than a tick: a drive that never
+                // got it answers setpoints all the same, and follows none.
+                if self.wait == 0 && self.due != Some(ENTER) {
                     self.wait = self.period;
                     self.lead(&command);
                 }

@@ -45,6 +45,14 @@ impl<D: Drive> Bench<D> {
         sent
     }
 
+    /// So many ticks in which nothing gets on the bus: it is full, or the node was held up.
+    pub fn wait(&mut self, ticks: u32) {
+        for _ in 0..ticks {
+            self.drive.command(self.tick, self.command);
+            self.tick.0 += 1;
+        }
+    }
+
     /// So many ticks; what is sent in all of them.
     pub fn steps(&mut self, ticks: u32) -> Vec<Frame> {
         (0..ticks).flat_map(|_| self.step()).collect()

@@ -230,6 +230,14 @@ fn a_fault_is_reset_by_a_rising_edge_when_the_axis_is_cleared() {
         1
     );
     assert_eq!(&controls[3][..8], "203#0000");
+    // Nor is one lost that a full bus holds up.
+    tells(&mut bench, 0x0218, 16_384);
+    bench.command.reset = true;
+    bench.wait(1);
+    bench.command.reset = false;
+    bench.wait(3);
+    let sent = texts(&bench.steps(3)).join(" ");
+    assert_eq!(sent.matches("203#8000").count(), 1, "{sent}");
     // A reset of a drive that has no fault does not forget a later one.
     tells(&mut bench, 0x0250, 16_384);
     bench.command.reset = true;

@@ -37,6 +37,24 @@ fn enabled(changes: &[(Parameter, f64)]) -> Bench<Mit> {
     bench
 }
 
+/// Without it the drive would answer setpoints, seem to follow, and hold no torque.
+#[test]
+fn the_word_to_enter_is_sent_first_however_late() {
+    for late in [2, 3, 40] {
+        let mut bench = bench(&[]);
+        bench.steps(2);
+        answer(&mut bench, 0x8000, 0);
+        bench.enable();
+        bench.wait(late);
+        assert_eq!(texts(&bench.step()), [ENTER_TEXT], "{late} ticks late");
+        answer(&mut bench, 0x8000, 0);
+        assert_eq!(bench.condition(), Condition::Disabled);
+        assert!(texts(&bench.step())[0].starts_with("005#8000"));
+        answer(&mut bench, 0x8000, 0);
+        assert_eq!(bench.condition(), Condition::Enabled);
+    }
+}
+
 #[test]
 fn a_drive_without_torque_is_told_so_and_heard_by_it() {
     let mut bench = bench(&[]);
