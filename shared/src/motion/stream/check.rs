@@ -48,27 +48,25 @@ pub(super) fn check<const QUINTIC: bool>(
         return Err(Breach::Velocity(length.divide(thousandfold)));
     }
     let speeding_up = limits.acceleration().counts();
-    let strongest = speeding_up.max(limits.deceleration().counts());
-    // Where an end leaves its acceleration to the curve, no other than the curve's is followed.
-    let known = QUINTIC && from.acceleration.is_some() && to.acceleration.is_some();
-    for end in [from, to].into_iter().filter(|_| known) {
-        let acceleration = end.acceleration.unwrap_or_default();
-        // Whoever stands cannot slow down.
-        let limit = if end.velocity == 0 {
-            speeding_up
-        } else {
-            strongest
-        };
-        if acceleration.saturating_abs() > limit {
-            return Err(Breach::Acceleration(acceleration));
-        }
-    }
     let rates = Rates {
         velocity: fastest << VELOCITY_BITS,
         acceleration: speeding_up << ACCELERATION_BITS,
         deceleration: limits.deceleration().counts() << ACCELERATION_BITS,
     };
+    // Where an end leaves its acceleration to the curve, no other than the curve's is followed.
     if QUINTIC && let (Some(first), Some(last)) = (from.acceleration, to.acceleration) {
+        let strongest = speeding_up.max(limits.deceleration().counts());
+        for (velocity, acceleration) in [(from.velocity, first), (to.velocity, last)] {
+            // Whoever stands cannot slow down.
+            let limit = if velocity == 0 {
+                speeding_up
+            } else {
+                strongest
+            };
+            if acceleration.saturating_abs() > limit {
+                return Err(Breach::Acceleration(acceleration));
+            }
+        }
         let shape = Shape::quintic(from, first, to, last, &length)?;
         rates.keep(shape.velocity, shape.acceleration, HALVINGS)?;
         stays(|| shape.velocity, from.position, ticks, limits)?;
