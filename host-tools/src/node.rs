@@ -182,7 +182,7 @@ pub fn run(
             hear_drives(&mut node, drives, &mut summary)?;
         }
         let now = LocalTime(bus.now().0);
-        run_due_ticks(&mut node, now, now, &mut trace, &mut summary)?;
+        run_due_ticks(&mut node, bus, now, &mut trace, &mut summary)?;
         // First: a setpoint is for its tick.
         if let Some(drives) = drives.as_deref_mut() {
             lead_drives(&mut node, drives, &mut summary)?;
@@ -198,7 +198,7 @@ pub fn run(
             let at = LocalTime(received.time.0);
             // A process that was held up makes good for it in the order of time: a knot that finds ticks
             // undone would find no room, and the next one a gap.
-            run_due_ticks(&mut node, at, now.max(at), &mut trace, &mut summary)?;
+            run_due_ticks(&mut node, bus, at, &mut trace, &mut summary)?;
             match received.event {
                 Event::Frame(frame) => {
                     node.handle_frame(at, &frame);
@@ -216,11 +216,11 @@ pub fn run(
     Ok(summary)
 }
 
-/// Does the ticks that are due by `until`, which is `now` or earlier.
+/// Does the ticks that are due by `until`. Each is told when it really ran: hosts see by that how late it was.
 fn run_due_ticks(
     node: &mut HostNode,
+    bus: &mut impl Bus,
     until: LocalTime,
-    now: LocalTime,
     trace: &mut Option<Trace>,
     summary: &mut Summary,
 ) -> Result<(), HostNodeError> {
@@ -229,6 +229,7 @@ fn run_due_ticks(
         if until < due {
             return Ok(());
         }
+        let now = LocalTime(bus.now().0);
         if due.0 > 0 {
             let late = now.since(due);
             summary.latest = summary.latest.max(late);

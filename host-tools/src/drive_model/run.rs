@@ -28,7 +28,7 @@ pub fn run(
                 }
                 send(bus, stations)?;
             }
-            // A frame that came later waited for the tick, if only by the time that it was taken at.
+            // It came after the tick was due.
             if received.time.0 >= next {
                 break;
             }

@@ -312,11 +312,23 @@ impl Served {
         Process::spawn(&mut self.command(arguments)).finish()
     }
 
-    /// The setpoints of `axis` so far.
+    /// The setpoints of `axis` so far. One that stood until the tick before another record has one there too,
+    /// which it did not say again.
     pub fn records(&self, axis: u8) -> Vec<Record> {
+        let mut told: Vec<Record> = Vec::new();
         let records = self.log.lock();
-        let of_axis = records.iter().filter(|record| record.axis == axis);
-        of_axis.copied().collect()
+        for record in records.iter().filter(|record| record.axis == axis) {
+            let before = record.tick.wrapping_sub(1);
+            let stood = told
+                .last()
+                .filter(|last| last.velocity == 0 && last.tick != before);
+            told.extend(stood.map(|last| Record {
+                tick: before,
+                ..*last
+            }));
+            told.push(*record);
+        }
+        told
     }
 
     /// Waits until the setpoint of `axis` is so; one that stands says so once.

@@ -36,8 +36,8 @@ pub(super) fn check<const QUINTIC: bool>(
     limits: &Limits,
 ) -> Result<i64, Breach> {
     let fastest = limits.velocity().counts();
-    let difference = difference(to.position, from.position);
-    let thousandfold = product(difference, TICKS_PER_SECOND as u32);
+    let way = difference(to.position, from.position);
+    let thousandfold = product(way, TICKS_PER_SECOND as u32);
     for velocity in [from.velocity, to.velocity] {
         if velocity.saturating_abs() > fastest {
             return Err(Breach::Velocity(velocity));
