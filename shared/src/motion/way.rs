@@ -155,7 +155,8 @@ mod tests {
             let way = Way::new(&from, target, 1.0, rise, &bounds);
             let quickest = way.quickest().expect("a motion");
             let ratio = quickest.duration() / exact.expect("a motion").duration();
-            prop_assert!((ratio - 1.0).abs() < 1e-8, "{ratio} {from:?} {target} {limits:?}");
+            // Of a way of 10^-6 turn, 4295 counts, four may be missing.
+            prop_assert!((ratio - 1.0).abs() < 1e-7, "{ratio} {from:?} {target} {limits:?}");
         }
     }
 }

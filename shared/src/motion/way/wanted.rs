@@ -40,8 +40,7 @@ const COARSE: f32 = 0.004;
 /// How near the target is near enough in f32, as a part of the way.
 const NEAR: f32 = 2e-7;
 
-/// How far from the target the ends of a family may seem that do lie on its two sides: a root of what
-/// rounding leaves of nothing is large.
+/// How far beyond the target, as a part of the way, is plain in f32.
 const CLEARLY: f32 = 1e-3;
 
 /// What is varied until the target is reached.
@@ -172,9 +171,10 @@ impl Wanted<f64> {
         with(Family::Released).found(0.0, -self.acceleration / self.strength.jerk)
     }
 
-    /// The member between two places that gets to the target.
+    /// The member between two places that gets to the target, which is known to lie between where they get:
+    /// an f32 may see it otherwise, since a root of what rounding leaves of nothing is large.
     fn found(&self, low: f64, high: f64) -> Option<Tried<f64>> {
-        let found = self.coarse().between(low as f32, high as f32, CLEARLY)?;
+        let found = self.coarse().between(low as f32, high as f32, f32::MAX)?;
         Some(self.exactly(low, high, found)).filter(Tried::is_there)
     }
 
@@ -258,7 +258,7 @@ impl Wanted<f32> {
     }
 
     /// The member between two places that gets to the target; `None` where that is not between them, by
-    /// more than this part of the way.
+    /// more than `clearly` times the way.
     fn between(&self, low: f32, high: f32, clearly: f32) -> Option<Near> {
         let (mut slow, mut fast) = (low, high);
         let mut short = self.with(slow).beyond;
