@@ -204,8 +204,9 @@ impl Model for Cia402Model {
             self.serve(data);
         } else if id == 0x200 + self.node
             && self.network == Network::Operational
-            && self.objects.listens_at_sync()
-            && let &[a, b, c, d, e, f] = data
+            && self.objects.listens_at_sync() == Some(data.len())
+            // The shaft needs no torque offset to follow.
+            && let &[a, b, c, d, e, f, ..] = data
         {
             let target = i32::from_le_bytes([c, d, e, f]);
             self.pending = Some((u16::from_le_bytes([a, b]), target));

@@ -86,8 +86,9 @@ fn load(drives: &[DriveSettings]) -> f64 {
             DriveKind::Mit => 2.0 * rate * f64::from(bits(8)),
             DriveKind::Cia402 => {
                 syncs = syncs.max(rate);
+                let setpoint = if drive.rated_torque > 0.0 { 8 } else { 6 };
                 // Its place at each SYNC, its state ten times in a second.
-                2.0 * rate * f64::from(bits(6)) + 10.0 * f64::from(bits(1))
+                rate * f64::from(bits(setpoint) + bits(6)) + 10.0 * f64::from(bits(1))
             }
         };
     }
@@ -146,6 +147,9 @@ mod tests {
         assert!(words(4, &[mit, (Parameter::DrivePeriod, 0.002)]).contains("54 %"));
         // 3 * 2 * 115 + 55 bits in a millisecond, and the heartbeats.
         assert!(words(3, &[(Parameter::DriveKind, 3.0)]).contains("75 %"));
+        // With a torque offset 3 * (135 + 115) + 55.
+        let torque = [(Parameter::DriveKind, 3.0), (Parameter::RatedTorque, 2.0)];
+        assert!(words(3, &torque).contains("81 %"));
         assert_eq!(words(12, &[]), "");
     }
 }

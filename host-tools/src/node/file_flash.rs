@@ -37,7 +37,7 @@ impl FileFlash {
             let mut begun = vec![0; (length as usize).min(size)];
             file.read_exact_at(&mut begun, 0)?;
             if length > size as u64 || begun.iter().any(|byte| *byte != ERASED) {
-                let words = "it is no store of canter's: name another file";
+                let words = "it is no store of this version of canter's: name another file";
                 return Err(io::Error::new(io::ErrorKind::InvalidData, words));
             }
         }

@@ -13,8 +13,8 @@ use std::thread;
 /// Room for every axis that there can be.
 pub(super) const AXES: usize = LAST_AXIS as usize;
 
-/// Bytes of a slot: 63 axes need 16 034, in whole pages of 4096.
-const SLOT: u32 = 4 * 4096;
+/// Bytes of a slot: 63 axes need 16 475, in whole pages of 4096, and with room for more parameters.
+const SLOT: u32 = 8 * 4096;
 
 const _: () = assert!(Store::<FileFlash>::needed(AXES) <= SLOT as usize);
 

@@ -2,7 +2,9 @@
 //!
 //! The link sets a drive up over SDO as soon as it answers, starts it, and from then on sends controlword
 //! and target in RPDO1 before each SYNC; statusword and place come back in TPDO1 after it. A target is taken
-//! at the SYNC, so the drives of a node move in the same instant.
+//! at the SYNC, so the drives of a node move in the same instant. Where the drive takes a torque offset
+//! (60B2h, in thousandths of its rated torque), it stands in RPDO1 behind the target. There is no room for
+//! a velocity offset as well, nor need of it: the drive has the velocity from its targets.
 //!
 //! | file | what it holds |
 //! |---|---|
@@ -19,7 +21,7 @@ use crate::time::{TICKS_PER_SECOND, Tick};
 use crate::wire::frame::Frame;
 use objects::{
     BOOT_UP, EMCY, HEARTBEAT, NMT, NMT_PRE_OPERATIONAL, NMT_START, OPERATIONAL, RPDO1, SDO_ABORT,
-    SDO_ANSWER, SDO_DONE, SDO_REQUEST, SETUP, TPDO1,
+    SDO_ANSWER, SDO_DONE, SDO_REQUEST, SETUP, Setup, TPDO1,
 };
 use state::{DISABLE_VOLTAGE, FAULT_RESET, Status};
 
@@ -50,10 +52,11 @@ enum Stage {
 /// The link to one drive.
 #[derive(Debug, Clone)]
 pub struct Cia402 {
-    node: u16,
     scale: Scale,
     timeout: u16,
-    period: u16,
+    setup: Setup,
+    /// Thousandths of the rated torque in one Nm; 0 where no torque is told.
+    torque: f32,
     stage: Stage,
     /// Network management that is to be sent before all else.
     nmt: Option<u8>,
@@ -85,11 +88,20 @@ impl Cia402 {
     /// A drive that has not been heard yet.
     pub fn new(settings: &DriveSettings) -> Self {
         let period = settings.period.0.clamp(1, u8::MAX.into());
+        let takes_torque = settings.rated_torque > 0.0;
         Self {
-            node: u16::from(settings.node.min(LAST_NODE)),
             scale: settings.scale_to(settings.increments.into()),
             timeout: settings.timeout.0.min(u16::MAX.into()) as u16,
-            period: period as u16,
+            setup: Setup {
+                node: settings.node.min(LAST_NODE),
+                period: period as u8,
+                torque: takes_torque,
+            },
+            torque: if takes_torque {
+                1e3 / settings.rated_torque
+            } else {
+                0.0
+            },
             stage: Stage::Refused { left: 1 },
             nmt: None,
             sdo_due: false,
@@ -111,6 +123,7 @@ impl Cia402 {
         }
     }
 
+    #[inline(never)]
     fn set_up(&mut self) {
         self.told = false;
         self.rpdo = None;
@@ -118,7 +131,10 @@ impl Cia402 {
         self.write(0);
     }
 
+    /// Does the write of this number, or the one behind it where this drive does not get it.
     fn write(&mut self, step: u8) {
+        let write = SETUP.get(usize::from(step));
+        let step = step + u8::from(write.is_some_and(|write| !write.is_for(self.setup)));
         self.stage = Stage::Setup {
             step,
             left: SDO_PATIENCE,
@@ -133,11 +149,12 @@ impl Cia402 {
         }
     }
 
+    #[inline(never)]
     fn take_answer(&mut self, word: u64) {
         let (Some(write), Stage::Setup { step, .. }) = (self.step(), self.stage) else {
             return;
         };
-        if word >> 8 & 0xFF_FFFF != write.place() {
+        if word as u32 >> 8 != write.place() {
             return;
         }
         match word as u8 {
@@ -158,6 +175,7 @@ impl Cia402 {
         }
     }
 
+    #[inline(never)]
     fn take_place(&mut self, word: u64) {
         if self.stage != Stage::Running {
             return;
@@ -196,31 +214,33 @@ impl Cia402 {
         Status::of(self.statusword)
     }
 
+    #[inline(never)]
     fn lead(&mut self, command: &DriveCommand) {
-        let control = if self.resets && self.status() == Status::Fault {
+        let mut control = if self.resets && self.status() == Status::Fault {
             FAULT_RESET
         } else if !command.enable || self.trouble.is_some() || self.is_gone() {
             DISABLE_VOLTAGE
         } else {
             self.status().towards_enabled()
         };
-        let target = if command.enable {
+        let (mut target, mut torque) = (self.place, 0);
+        if command.enable {
             match i32::try_from(self.scale.position(command.position)) {
-                Ok(target) => target,
+                Ok(place) => {
+                    target = place;
+                    // Beyond the greatest i16, which is 32 times the rated torque, it is the greatest.
+                    let thousandths = self.torque * self.scale.torque(command.acceleration);
+                    torque = libm::roundf(thousandths) as i16;
+                }
                 Err(_) => {
                     // There is no such place: no torque is better than another one.
                     self.trouble = Some(Trouble::Range);
-                    return self.put(DISABLE_VOLTAGE, self.place);
+                    control = DISABLE_VOLTAGE;
                 }
             }
-        } else {
-            self.place
-        };
-        self.put(control, target);
-    }
-
-    fn put(&mut self, control: u16, target: i32) {
-        self.rpdo = Some(u64::from(control) | u64::from(target as u32) << 16);
+        }
+        let torque = u64::from(torque as u16) << 48;
+        self.rpdo = Some(u64::from(control) | u64::from(target as u32) << 16 | torque);
     }
 
     /// It is lost, or has followed and does no longer: it is not led up again.
@@ -260,7 +280,7 @@ impl Drive for Cia402 {
         }
         self.wait = self.wait.saturating_sub(1);
         if self.wait == 0 {
-            self.wait = self.period;
+            self.wait = self.setup.period.into();
             if self.stage == Stage::Running {
                 if self.told {
                     self.lead(&command);
@@ -270,6 +290,7 @@ impl Drive for Cia402 {
         }
     }
 
+    #[inline(never)]
     fn report(&self) -> DriveReport {
         let condition = if let Some(trouble) = self.trouble {
             Condition::Faulted(trouble)
@@ -289,9 +310,10 @@ impl Drive for Cia402 {
         }
     }
 
+    #[inline(never)]
     fn receive(&mut self, frame: &Frame) -> bool {
         let node = frame.id() & u16::from(LAST_NODE);
-        if node != self.node {
+        if node != self.setup.node.into() {
             return false;
         }
         let (word, length) = (frame.word(), frame.data().len());
@@ -313,20 +335,22 @@ impl Drive for Cia402 {
     }
 
     fn poll_transmit(&mut self) -> Option<Frame> {
+        let node = u16::from(self.setup.node);
         let frame = |id: u16, word: u64, length: u8| Some(Frame::from_word(id, word, length));
         if let Some(order) = self.nmt.take() {
-            return frame(NMT, u64::from(order) | u64::from(self.node) << 8, 2);
+            return frame(NMT, u64::from(order) | u64::from(self.setup.node) << 8, 2);
         }
         if core::mem::take(&mut self.sdo_due)
             && let Some(write) = self.step()
         {
-            let payload = write.payload(self.node as u8, self.period as u8);
-            return frame(SDO_REQUEST + self.node, payload, 8);
+            let payload = write.payload(self.setup);
+            return frame(SDO_REQUEST + node, payload, 8);
         }
         let word = self.rpdo.take()?;
         // Only now: a bus that takes longer than a tick sends the newest word, and none before it.
         self.resets &= word as u16 != FAULT_RESET;
-        frame(RPDO1 + self.node, word, 6)
+        let length = if self.setup.torque { 8 } else { 6 };
+        frame(RPDO1 + node, word, length)
     }
 
     fn take_sync(&mut self) -> bool {

@@ -116,6 +116,7 @@ impl Mit {
         })
     }
 
+    #[inline(never)]
     fn lead(&mut self, command: &DriveCommand) {
         match self.setpoint(command) {
             Some(setpoint) => {
@@ -136,6 +137,7 @@ impl Mit {
         self.wait = IDLE_PERIOD;
     }
 
+    #[inline(never)]
     fn take_answer(&mut self, data: &[u8]) {
         let &[
             _,
@@ -181,6 +183,7 @@ impl Mit {
 }
 
 impl Drive for Mit {
+    #[inline(never)]
     fn command(&mut self, _tick: Tick, command: DriveCommand) {
         self.age = self.age.saturating_add(1);
         self.wanted = command.enable;
@@ -234,6 +237,7 @@ impl Drive for Mit {
         }
     }
 
+    #[inline(never)]
     fn receive(&mut self, frame: &Frame) -> bool {
         let data = frame.data();
         let is_answer = match data.len() {

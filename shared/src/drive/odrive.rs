@@ -138,6 +138,7 @@ impl Odrive {
         }
     }
 
+    #[inline(never)]
     fn hear_estimates(&mut self, word: u64) {
         self.estimate_age = 0;
         let turns = |bits: u64| f32::from_bits(bits as u32);
@@ -242,6 +243,7 @@ impl Drive for Odrive {
         }
     }
 
+    #[inline(never)]
     fn receive(&mut self, frame: &Frame) -> bool {
         if frame.id() >> COMMAND_BITS != self.node >> COMMAND_BITS || frame.data().len() != 8 {
             return false;

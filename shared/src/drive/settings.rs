@@ -55,6 +55,8 @@ pub struct DriveSettings {
     pub mit: MitSettings,
     /// Increments in one turn of a CiA 402 drive's shaft; at least 1.
     pub increments: u32,
+    /// The rated torque of a CiA 402 drive's motor, in Nm at its shaft; 0 where it takes no torque offset.
+    pub rated_torque: f32,
 }
 
 impl DriveSettings {

@@ -39,6 +39,7 @@ impl Values {
                 master: raw(Parameter::MitMaster) as u16,
             },
             increments: raw(Parameter::DriveIncrements) as u32,
+            rated_torque: number(Parameter::RatedTorque),
         }
     }
 }

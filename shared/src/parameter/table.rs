@@ -247,10 +247,13 @@ parameters! {
         // Encoders of up to 26 bits.
         1, 1 << 26, Default::Raw(1 << 16), Disabled,
         "increments in one turn of a CiA 402 drive's shaft";
-    // The last one, so that a store that is read in order finds all else of the drive in place.
+    // After all that its link may contradict, so that a store that is read in order finds them in place.
     DriveKind = 35, "drive.kind", Kind::Choice(&["simulated", "odrive", "mit", "cia402"]), "", 0, 3,
         Default::Raw(0), Disabled,
         "which language the axis's drive speaks";
+    RatedTorque = 36, "drive.rated_torque", number(MILLI), "Nm",
+        0, raw(1_000.0, MILLI), Default::Raw(0), Disabled,
+        "rated torque of a CiA 402 drive's motor, its object 6076h: torque is told in parts of it; 0 tells none";
 }
 
 impl Parameter {

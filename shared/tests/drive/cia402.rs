@@ -141,6 +141,46 @@ fn increments_gear_and_direction_are_exact() {
     assert_eq!(texts(&bench.step()), ["203#0F00B03CFFFF", SYNC]);
 }
 
+/// 2 Nm in thousandths of the rated 5 Nm: 400. The third object is mapped, and nothing else is other than
+/// for a drive that takes no torque.
+#[test]
+fn a_torque_offset_goes_with_the_target_where_the_drive_takes_one() {
+    let torque = [
+        (Parameter::RatedTorque, 5.0),
+        (Parameter::DriveInertia, 0.02),
+    ];
+    let sent = set_up(&mut bench(&torque));
+    let plain = set_up(&mut bench(&[(Parameter::DriveInertia, 0.02)]));
+    assert_eq!(
+        sent[5..8],
+        [
+            plain[5].as_str(),
+            "603#230016031000B260",
+            "603#2F00160003000000",
+        ]
+    );
+    assert_eq!((&sent[..5], &sent[8..21]), (&plain[..5], &plain[7..20]));
+
+    let mut bench = running(&torque);
+    assert_eq!(texts(&bench.step()), ["203#0000004000000000", SYNC]);
+    let mut bench = enabled(&torque);
+    for (acceleration, told) in [
+        (100.0, "9001"),
+        (-100.0, "70FE"),
+        // Far beyond an i16 of thousandths.
+        (90_000.0, "FF7F"),
+        (-90_000.0, "0080"),
+    ] {
+        bench.lead(-0.5, 0.0, acceleration / std::f64::consts::TAU);
+        let wanted = format!("203#0F000080FFFF{told}");
+        assert_eq!(texts(&bench.step()), [wanted.as_str(), SYNC]);
+    }
+    // Where it goes out there is none.
+    tells(&mut bench, 0x0250, 16_384);
+    bench.command.enable = false;
+    assert_eq!(texts(&bench.step()), ["203#0000004000000000", SYNC]);
+}
+
 #[test]
 fn the_speed_is_that_of_the_places() {
     let mut bench = enabled(&[]);

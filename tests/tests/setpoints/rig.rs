@@ -62,6 +62,8 @@ pub struct Setup {
     pub reaction: u64,
     /// The drive's id of each axis.
     pub ids: [u8; AXES],
+    /// Of a CiA 402 drive's motor, in Nm; 0 where it takes no torque.
+    pub rated_torque: f64,
 }
 
 /// A setpoint that was on the wire.
@@ -124,6 +126,7 @@ impl Rig {
                 (Parameter::DriveKind, f64::from(u8::from(setup.kind))),
                 (Parameter::DriveNode, f64::from(setup.ids[place])),
                 (Parameter::DriveInertia, INERTIA),
+                (Parameter::RatedTorque, setup.rated_torque),
             ] {
                 let raw = parameter.nearest(value).expect("in range");
                 values = values.with(parameter, raw).expect("it fits").0;

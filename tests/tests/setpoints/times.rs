@@ -30,6 +30,7 @@ fn apart(kind: DriveKind) -> Setup {
         fast: [0; AXES],
         reaction: 20_000,
         ids: [1, 2, 3],
+        rated_torque: 0.0,
     }
 }
 
@@ -209,4 +210,19 @@ fn no_answer_goes_before_a_setpoint_to_the_drives_of_mini_cheetahs() {
 fn two_setpoints_of_three_canopen_drives_leave_within_200_us() {
     let buses = (0..BUSES).map(|bus| anyhow(apart(DriveKind::Cia402), bus));
     Times::of("cia402", buses).hold(115, 65);
+}
+
+/// With a torque offset the second waits longer where a heartbeat came before the first.
+#[test]
+fn the_setpoints_of_canopen_drives_with_a_torque_offset_are_through_before_the_next_tick() {
+    let setup = Setup {
+        rated_torque: 2.0,
+        ..apart(DriveKind::Cia402)
+    };
+    let buses = (0..BUSES).map(|bus| anyhow(setup, bus));
+    let [first, second, third] = Times::of("cia402 with torque", buses).tell();
+    let before = HANDING_OVER + 65 * BIT;
+    assert!(first <= before, "{first}");
+    assert!(second <= before + 135 * BIT, "{second}");
+    assert!(third <= before + 270 * BIT, "{third}");
 }

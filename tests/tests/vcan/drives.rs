@@ -3,6 +3,9 @@
 use super::robot::{axis, wait_for};
 use canter_shared::axis::state::State;
 use canter_shared::limits::Limits;
+use canter_shared::motion::beta::Beta;
+use canter_shared::time::{Tick, Ticks};
+use canter_shared::units::{COUNTS_PER_TURN, Position};
 use canter_shared::wire::report::Report;
 use canter_tests::candump::{Candump, Logged};
 use canter_tests::measurement;
@@ -248,6 +251,47 @@ fn drives_are_started_in_the_order_that_their_documents_ask_for() {
         );
         driven.finish();
     }
+}
+
+/// A motor of 2 Nm turns 0.02 kg m^2, so an acceleration of 1 rad/s^2 takes 10 thousandths of its torque.
+#[test]
+fn a_canopen_drive_that_takes_torque_is_told_what_its_axis_needs() {
+    let mut candump = Candump::start_for("vcan13", &[0x201, 0x601]);
+    let driven = Driven::start(["vcan12", "vcan13"], "cia402");
+    driven
+        .run("param set drive.rated_torque 2 --axis 1")
+        .success();
+    driven
+        .run("param set drive.inertia 0.02 --axis 1")
+        .success();
+    candump.wait_for("60B2 as the third object", |frame| {
+        frame.id == 0x601 && frame.data == [0x23, 0x00, 0x16, 0x03, 0x10, 0x00, 0xB2, 0x60]
+    });
+    driven.enable();
+    driven.run("move 1=1.5turn --duration 1.3").success();
+    let (mut most, mut least) = (0, 0);
+    candump.wait_for("a brake's end", |frame| {
+        // Controlword, target and torque of a drive that is enabled.
+        let torque = match frame.data[..] {
+            [0x0F, 0, _, _, _, _, low, high] => i16::from_le_bytes([low, high]),
+            _ => 0,
+        };
+        assert!(torque <= 0 || least == 0, "{frame:?} after {least}");
+        (most, least) = (most.max(torque), least.min(torque));
+        least < 0 && torque == 0
+    });
+    let way = Position::from_counts(3 * COUNTS_PER_TURN / 2);
+    let peak = 10.0
+        * Beta::new(Tick(0), way, Ticks(1_300))
+            .peak_acceleration()
+            .radians();
+    for told in [most, -least] {
+        assert!(
+            (f64::from(told) - peak).abs() < 0.02 * peak,
+            "{told} {peak}"
+        );
+    }
+    driven.finish();
 }
 
 #[test]

@@ -14,7 +14,7 @@ const CANNOT_MAP: u32 = 0x0604_0041;
 const OUT_OF_RANGE: u32 = 0x0609_0030;
 
 /// What can be mapped into a PDO: object, subindex and bits.
-const RECEIVABLE: [u32; 2] = [0x6040_0010, 0x607A_0020];
+const RECEIVABLE: [u32; 3] = [0x6040_0010, 0x607A_0020, 0x60B2_0010];
 const TRANSMITTABLE: [u32; 2] = [0x6041_0010, 0x6064_0020];
 
 /// Objects by index and subindex, each with its bytes and its value.
@@ -34,6 +34,7 @@ impl Dictionary {
             ((0x1600, 0), (1, 1)),
             ((0x1600, 1), (4, RECEIVABLE[0])),
             ((0x1600, 2), (4, 0)),
+            ((0x1600, 3), (4, 0)),
             ((0x1800, 1), (4, 0x180 + node)),
             ((0x1800, 2), (1, 255)),
             ((0x1A00, 0), (1, 1)),
@@ -93,21 +94,28 @@ impl Dictionary {
         self.get(0x6060, 0) == 8 && self.get(0x60C2, 1) > 0 && self.get(0x60C2, 2) == 0xFD
     }
 
-    /// Whether controlword and target come in RPDO1 and are taken at the SYNC.
-    pub(super) fn listens_at_sync(&self) -> bool {
-        self.is_set_up(0x1400, 0x1600, RECEIVABLE)
+    /// How many bytes of controlword, target and perhaps torque offset come in RPDO1 and are taken at the
+    /// SYNC; `None` where it is not so.
+    pub(super) fn listens_at_sync(&self) -> Option<usize> {
+        let objects = if self.get(0x1600, 0) == 3 { 3 } else { 2 };
+        let mapped = RECEIVABLE.get(..objects)?;
+        let bits: u32 = mapped.iter().map(|object| object & 0xFF).sum();
+        self.is_set_up(0x1400, 0x1600, mapped)
+            .then_some(bits as usize / 8)
     }
 
     /// Whether statusword and place go out in TPDO1 at the SYNC.
     pub(super) fn tells_at_sync(&self) -> bool {
-        self.is_set_up(0x1800, 0x1A00, TRANSMITTABLE)
+        self.is_set_up(0x1800, 0x1A00, &TRANSMITTABLE)
     }
 
-    fn is_set_up(&self, communication: u16, mapping: u16, wanted: [u32; 2]) -> bool {
+    fn is_set_up(&self, communication: u16, mapping: u16, wanted: &[u32]) -> bool {
         self.get(communication, 1) & OFF == 0
             && self.get(communication, 2) == 1
-            && self.get(mapping, 0) == 2
-            && [self.get(mapping, 1), self.get(mapping, 2)] == wanted
+            && self.get(mapping, 0) as usize == wanted.len()
+            && (1..)
+                .zip(wanted)
+                .all(|(entry, object)| self.get(mapping, entry) == *object)
     }
 
     /// Ticks between two setpoints.
