@@ -339,6 +339,7 @@ impl Axis {
             velocity,
             state: self.state.into(),
             moving: self.is_moving(),
+            target_reached: self.course.is_complete(self.tick),
         }
     }
 

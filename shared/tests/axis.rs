@@ -28,6 +28,7 @@ mod axis {
     mod streaming_random;
     mod streams;
     mod sync;
+    mod target_reached;
     mod telemetry;
     mod three;
     mod trapezoid;

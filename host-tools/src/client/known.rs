@@ -38,6 +38,8 @@ pub struct KnownAxis {
     pub velocity: Option<Velocity>,
     /// Whether its setpoint moves, or will.
     pub moving: Option<bool>,
+    /// Whether its setpoint rests at the target of its last move, or at the end of its last stream.
+    pub target_reached: bool,
     /// Which session holds it, 0 for none; `None` before its first heartbeat.
     pub session: Option<Session>,
     /// Its counters.
@@ -105,11 +107,13 @@ impl KnownAxis {
                 velocity,
                 state,
                 moving,
+                target_reached,
             } => {
                 self.position = Some(position);
                 self.velocity = Some(velocity);
                 self.state = State::try_from(state).ok();
                 self.moving = Some(moving);
+                self.target_reached = target_reached;
                 self.feedbacks += 1;
             }
             Report::Heartbeat {
@@ -233,6 +237,7 @@ mod tests {
             velocity: Velocity::ZERO,
             state: State::OperationEnabled.into(),
             moving: false,
+            target_reached: true,
         };
         let started = Report::Started {
             sequence: 1,

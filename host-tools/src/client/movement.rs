@@ -36,6 +36,9 @@ const SILENCE: u64 = 500 * MILLISECOND;
 /// How long drives may take to settle at their targets before their positions are told as they are.
 const SETTLE: u64 = 200 * MILLISECOND;
 
+/// How far a drive may stay off its target at rest and still count as arrived, in rad.
+pub const NEAR: f64 = 1e-3;
+
 /// How a move came out for one axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arrival {
@@ -45,7 +48,7 @@ pub struct Arrival {
     pub target: f64,
     /// Where the drive is, in rad.
     pub position: f64,
-    /// Whether it rests at its target.
+    /// Whether the drive is at its target too, within [`NEAR`]: its load may hold it off.
     pub arrived: bool,
     /// How long its move lasts.
     pub duration: Ticks,
@@ -319,6 +322,23 @@ impl<B: Bus> Client<B> {
         Ok(())
     }
 
+    /// Where an axis rests, now that its setpoint does.
+    ///
+    /// # Errors
+    /// It was stopped before it got to `target`.
+    pub(super) fn rests_at(&self, axis: AxisId, target: Position) -> Result<Position, ClientError> {
+        let known = self.axes.get(&axis);
+        let position = known.and_then(|known| known.position).unwrap_or_default();
+        if known.is_some_and(|known| known.target_reached) {
+            return Ok(position);
+        }
+        Err(ClientError::StoppedShort {
+            axis,
+            position: position.radians(),
+            target: target.radians(),
+        })
+    }
+
     fn arrivals(&self, plan: &[Planned]) -> Result<Vec<Arrival>, ClientError> {
         let start_of = |axis: &AxisId| {
             self.axes
@@ -333,25 +353,13 @@ impl<B: Bus> Client<B> {
             .unwrap_or_default();
         plan.iter()
             .map(|planned| {
-                let position = self
-                    .axes
-                    .get(&planned.axis)
-                    .and_then(|known| known.position)
-                    .unwrap_or_default();
+                let position = self.rests_at(planned.axis, planned.target)?;
                 let start = start_of(&planned.axis);
-                let arrived = is_near(position, planned.target);
-                if !arrived {
-                    return Err(ClientError::StoppedShort {
-                        axis: planned.axis,
-                        position: position.radians(),
-                        target: planned.target.radians(),
-                    });
-                }
                 Ok(Arrival {
                     axis: planned.axis,
                     target: planned.target.radians(),
                     position: position.radians(),
-                    arrived,
+                    arrived: (position - planned.target).abs().radians() <= NEAR,
                     duration: planned.duration,
                     start,
                     skew_microseconds: start.0 - earliest.0,
@@ -359,9 +367,4 @@ impl<B: Bus> Client<B> {
             })
             .collect()
     }
-}
-
-/// Within 1 mrad: what a drive may stay off its setpoint at rest and still count as arrived.
-pub(super) fn is_near(position: Position, target: Position) -> bool {
-    (position - target).abs().radians() <= 1e-3
 }

@@ -278,15 +278,7 @@ impl<B: Bus> Client<B> {
         let earliest = stream.sent.iter().map(|sent| start(&sent.axis)).min();
         let earliest = earliest.unwrap_or_default();
         let end = |sent: &Sent| {
-            let known = self.axes.get(&sent.axis).and_then(|known| known.position);
-            let position = known.unwrap_or_default();
-            if !super::movement::is_near(position, sent.last.0) {
-                return Err(ClientError::StoppedShort {
-                    axis: sent.axis,
-                    position: position.radians(),
-                    target: sent.last.0.radians(),
-                });
-            }
+            let position = self.rests_at(sent.axis, sent.last.0)?;
             let start = start(&sent.axis);
             Ok(StreamEnd {
                 axis: sent.axis,

@@ -91,6 +91,9 @@ pub(super) fn of_field(function: Function, field: &str) -> Option<&'static str> 
         (Function::Feedback, "velocity") => "how fast it is, cut to the field's range",
         (_, "state") => "the axis's state",
         (Function::Feedback, "moving") => "1 while the setpoint changes, or will by itself",
+        (Function::Feedback, "target_reached") => {
+            "1 while the setpoint rests where the last move or stream led: nothing stopped it before"
+        }
         (Function::Heartbeat, "session") => "the session that holds the axis, 0 for none",
         (Function::Heartbeat, "bus_off") => "times that the node was off the bus; wraps",
         (Function::Heartbeat, "error_frames") => "error frames seen; wraps",

@@ -106,6 +106,8 @@ pub(super) struct Course {
     first: Lead,
     second: Lead,
     turned: bool,
+    /// Whether what leads the axis gets to where it was to lead.
+    completes: bool,
     next: Option<Next>,
 }
 
@@ -115,6 +117,7 @@ impl Course {
             first: Lead::Motion(Motion::at_rest(position)),
             second: Lead::Motion(Motion::at_rest(position)),
             turned: false,
+            completes: false,
             next: None,
         }
     }
@@ -184,6 +187,11 @@ impl Course {
         waits || self.lead().is_moving(tick)
     }
 
+    /// Whether the setpoint rests where the last motion was to lead: nothing stopped that.
+    pub(super) fn is_complete(&self, tick: Tick) -> bool {
+        self.completes && !self.is_moving(tick)
+    }
+
     pub(super) fn at(&self, tick: Tick) -> Setpoint {
         self.lead().at(tick)
     }
@@ -209,6 +217,7 @@ impl Course {
     /// Ends everything at `position`.
     pub(super) fn rest(&mut self, position: Position) {
         self.next = None;
+        self.completes = false;
         *self.lead_mut() = Lead::Motion(Motion::at_rest(position));
     }
 
@@ -277,7 +286,9 @@ impl Course {
             Lead::Motion(_) => false,
             Lead::Stream(stream) => {
                 stream.close();
-                stream.has_run_dry(tick)
+                let dry = stream.has_run_dry(tick);
+                self.completes = false;
+                dry
             }
         }
     }
@@ -304,8 +315,9 @@ impl Course {
     /// Goes on to `tick`: where the other motion takes over, gives the departure that it brings.
     pub(super) fn advance(&mut self, tick: Tick) -> Option<Option<Departure>> {
         let next = self.next.take_if(|next| next.splice <= tick);
-        if next.is_some() {
+        if let Some(next) = next {
             self.turned = !self.turned;
+            self.completes = next.stops.is_none();
         }
         if let Lead::Stream(stream) = self.lead_mut() {
             stream.advance(tick);

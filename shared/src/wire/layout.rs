@@ -275,6 +275,7 @@ fields! {
         VELOCITY = Field::unsigned("velocity", 34, 24).signed().unit(VELOCITY_FACTOR, "turn/s");
         STATE = Field::unsigned("state", 58, 4).choices(Choices::State);
         MOVING = Field::unsigned("moving", 62, 1);
+        TARGET_REACHED = Field::unsigned("target_reached", 63, 1);
     }
     /// Heartbeat.
     heartbeat {

@@ -95,6 +95,9 @@ pub enum Report {
         state: u8,
         /// Whether the setpoint moves, or will without another command.
         moving: bool,
+        /// Whether the setpoint rests at the target of the last move, or at the end of the last stream:
+        /// nothing stopped it before. The drive may still be on its way, or held off by its load.
+        target_reached: bool,
     },
     /// State, commander and counters, which wrap.
     Heartbeat {
@@ -203,11 +206,13 @@ impl Report {
                 velocity,
                 state,
                 moving,
+                target_reached,
             } => empty
                 .put(&feedback::POSITION, wire_steps(position))
                 .put(&feedback::VELOCITY, wire_velocity_steps(velocity))
                 .put(&feedback::STATE, state.into())
-                .put(&feedback::MOVING, moving.into()),
+                .put(&feedback::MOVING, moving.into())
+                .put(&feedback::TARGET_REACHED, target_reached.into()),
             Self::Heartbeat {
                 state,
                 fault,
@@ -301,6 +306,7 @@ impl Report {
                 velocity: Velocity::from_counts(word.get(&feedback::VELOCITY) << VELOCITY_SHIFT),
                 state: word.byte(&feedback::STATE),
                 moving: word.get(&feedback::MOVING) == 1,
+                target_reached: word.get(&feedback::TARGET_REACHED) == 1,
             },
             Function::Heartbeat => Self::Heartbeat {
                 state: word.byte(&heartbeat::STATE),

@@ -182,6 +182,14 @@ fn said() -> Vec<Said> {
             velocity: Velocity::from_counts(-TURN / 2),
             state: 4,
             moving: true,
+            target_reached: false,
+        }),
+        Said::Node(Report::Feedback {
+            position: Position::from_counts(TURN / 4),
+            velocity: Velocity::ZERO,
+            state: 4,
+            moving: false,
+            target_reached: true,
         }),
         Said::Node(Report::Heartbeat {
             state: 7,

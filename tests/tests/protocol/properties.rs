@@ -150,13 +150,16 @@ fn any_report() -> impl Strategy<Value = Report> {
             any_position(),
             -(1i64 << 23)..1 << 23,
             0u8..16,
-            any::<bool>()
+            any::<[bool; 2]>()
         )
-            .prop_map(|(position, velocity, state, moving)| Report::Feedback {
-                position: wire_position(position),
-                velocity: Velocity::from_counts(velocity << 18),
-                state,
-                moving,
+            .prop_map(|(position, velocity, state, [moving, target_reached])| {
+                Report::Feedback {
+                    position: wire_position(position),
+                    velocity: Velocity::from_counts(velocity << 18),
+                    state,
+                    moving,
+                    target_reached,
+                }
             }),
         (any::<[u8; 6]>(), any::<u16>()).prop_map(|(bytes, session)| {
             let [state, fault, bus_off, error_frames, lost, rejected] = bytes;

@@ -232,6 +232,7 @@ impl Bench {
                     velocity: Velocity::from_counts(COUNTS_PER_TURN),
                     state: 5,
                     moving: true,
+                    target_reached: false,
                 };
                 self.hear(now, &report.encode(axis));
             }

@@ -54,6 +54,14 @@ fn request(arguments: &Move) -> Result<MoveRequest> {
 }
 
 fn print(context: &Context, arrivals: &[Arrival]) {
+    for arrival in arrivals.iter().filter(|arrival| !arrival.arrived) {
+        eprintln!(
+            "note: axis {} was led to its target, and its drive rests {:.4} rad from there: stiffer gains \
+             would hold it nearer",
+            arrival.axis,
+            (arrival.position - arrival.target).abs(),
+        );
+    }
     let documents: Vec<_> = arrivals
         .iter()
         .map(|arrival| {
