@@ -54,8 +54,10 @@ const SHORT_ANSWER: usize = 7;
 enum Order {
     /// To be without torque.
     Idle,
-    /// It was told so many ticks ago to enter its mode.
+    /// It was told so many ticks ago to enter its mode, and has not answered that.
     Entering(u16),
+    /// It gets setpoints, and has not answered one.
+    Leading,
     /// It has answered a setpoint.
     Following,
 }
@@ -72,8 +74,6 @@ pub struct Mit {
     wait: u16,
     /// The next payload.
     due: Option<u64>,
-    /// Whether a setpoint was sent since the mode was entered.
-    led: bool,
     /// Whether the axis wants torque.
     wanted: bool,
     /// A trouble of the drive, kept until the axis has taken its order back.
@@ -95,7 +95,6 @@ impl Mit {
             order: Order::Idle,
             wait: 0,
             due: None,
-            led: false,
             wanted: false,
             trouble: None,
             position: Position::ZERO,
@@ -121,7 +120,6 @@ impl Mit {
         match self.setpoint(command) {
             Some(setpoint) => {
                 self.due = Some(pack(&self.mit.ranges, &setpoint));
-                self.led = true;
             }
             // It would end at the range's end, which is another place: no torque is better.
             None => {
@@ -176,8 +174,15 @@ impl Mit {
         } else if !self.wanted {
             self.trouble = None;
         }
-        if matches!(self.order, Order::Entering(_)) && self.led {
-            self.order = Order::Following;
+        // What is still due was not what it answered. It is led only once it has answered the word to enter:
+        // one that never got it, since its bus was gone for a while, answers setpoints all the same, and
+        // follows none.
+        if self.due.is_none() {
+            self.order = match self.order {
+                Order::Entering(_) => Order::Leading,
+                Order::Leading => Order::Following,
+                order => order,
+            };
         }
     }
 }
@@ -191,7 +196,6 @@ impl Drive for Mit {
         match self.order {
             Order::Idle if command.enable && self.trouble.is_none() => {
                 self.order = Order::Entering(0);
-                self.led = false;
                 self.due = Some(ENTER);
                 self.wait = 1;
             }
@@ -203,16 +207,11 @@ impl Drive for Mit {
             _ if !command.enable => self.let_go(),
             Order::Entering(PATIENCE) => {
                 self.order = Order::Entering(0);
-                self.led = false;
                 self.due = Some(ENTER);
             }
-            order => {
-                if let Order::Entering(ago) = order {
-                    self.order = Order::Entering(ago + 1);
-                }
-                // The word to enter goes first, also where the bus takes longer than a tick: a drive that never
-                // got it answers setpoints all the same, and follows none.
-                if self.wait == 0 && self.due != Some(ENTER) {
+            Order::Entering(ago) => self.order = Order::Entering(ago + 1),
+            Order::Leading | Order::Following => {
+                if self.wait == 0 {
                     self.wait = self.period;
                     self.lead(&command);
                 }

@@ -55,6 +55,25 @@ fn the_word_to_enter_is_sent_first_however_late() {
     }
 }
 
+/// A node throws frames away that are too old for a drive whose bus was gone.
+#[test]
+fn no_setpoint_is_sent_before_the_word_to_enter_was_answered() {
+    let mut bench = bench(&[]);
+    bench.steps(2);
+    answer(&mut bench, 0x8000, 0);
+    bench.enable();
+    for _ in 0..3 {
+        assert_eq!(texts(&bench.step()), [ENTER_TEXT]);
+        assert_eq!(texts(&bench.steps(50)), [""; 0]);
+    }
+    assert_eq!(texts(&bench.step()), [ENTER_TEXT]);
+    answer(&mut bench, 0x8000, 0);
+    assert!(texts(&bench.step())[0].starts_with("005#8000"));
+    assert_eq!(bench.condition(), Condition::Disabled);
+    answer(&mut bench, 0x8000, 0);
+    assert_eq!(bench.condition(), Condition::Enabled);
+}
+
 #[test]
 fn a_drive_without_torque_is_told_so_and_heard_by_it() {
     let mut bench = bench(&[]);
