@@ -139,6 +139,6 @@ pub trait Drive {
         false
     }
 
-    /// The drive's parameters were changed, which happens without torque only.
+    /// The drive's parameters were changed, which happens without torque only: what was heard is forgotten.
     fn configure(&mut self, _settings: impl FnOnce() -> DriveSettings) {}
 }

@@ -253,8 +253,9 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
                 continue;
             }
             // The answer is in the axis's queue, or will be; the node has nothing to add to it.
+            let changes_drive = drives::changes_drive(&command, slot.axis.values());
             let outcome = slot.axis.handle_command(bus_time, frame, command);
-            if outcome == Outcome::Accepted && drives::is_about_drive(&command) {
+            if outcome == Outcome::Accepted && changes_drive {
                 slot.drive.configure(|| slot.axis.values().drive());
             }
             if address != Address::All {

@@ -189,7 +189,7 @@ fn four_axes_with_drives_leave_the_processor_to_others() {
             "{results:?}"
         );
     }
-    bytes(&results, "drive.bytes", 208);
+    bytes(&results, "drive.bytes", 144);
 }
 
 #[test]

@@ -20,10 +20,7 @@ enum Language {
 
 /// A drive of any language.
 #[derive(Debug, Clone)]
-pub struct DriveLink {
-    settings: DriveSettings,
-    language: Language,
-}
+pub struct DriveLink(Language);
 
 /// Does the same with the drive of each language.
 macro_rules! each {
@@ -40,55 +37,45 @@ macro_rules! each {
 impl DriveLink {
     /// A drive that has not been heard yet; a simulated one stands at zero.
     pub fn new(settings: &DriveSettings) -> Self {
-        let language = match settings.kind {
-            DriveKind::Simulated => Language::Simulated(Simulated::new(Position::ZERO)),
+        Self(match settings.kind {
+            DriveKind::Simulated => {
+                let drive = Simulated::new(Position::ZERO);
+                Language::Simulated(drive.with_zero(settings.offset))
+            }
             DriveKind::Odrive => Language::Odrive(Odrive::new(settings)),
             DriveKind::Mit => Language::Mit(Mit::new(settings)),
             DriveKind::Cia402 => Language::Cia402(Cia402::new(settings)),
-        };
-        Self {
-            settings: *settings,
-            language,
-        }
-    }
-
-    /// What it knows of its drive.
-    pub fn settings(&self) -> &DriveSettings {
-        &self.settings
+        })
     }
 }
 
 impl Drive for DriveLink {
     fn command(&mut self, tick: Tick, command: DriveCommand) {
-        each!(&mut self.language, drive => drive.command(tick, command));
+        each!(&mut self.0, drive => drive.command(tick, command));
     }
 
     fn report(&self) -> DriveReport {
-        each!(&self.language, drive => drive.report())
+        each!(&self.0, drive => drive.report())
     }
 
     fn receive(&mut self, frame: &Frame) -> bool {
-        each!(&mut self.language, drive => drive.receive(frame))
+        each!(&mut self.0, drive => drive.receive(frame))
     }
 
     fn poll_transmit(&mut self) -> Option<Frame> {
-        each!(&mut self.language, drive => drive.poll_transmit())
+        each!(&mut self.0, drive => drive.poll_transmit())
     }
 
     fn take_sync(&mut self) -> bool {
-        each!(&mut self.language, drive => drive.take_sync())
+        each!(&mut self.0, drive => drive.take_sync())
     }
 
     fn configure(&mut self, settings: impl FnOnce() -> DriveSettings) {
         let settings = settings();
-        if let (Language::Simulated(drive), DriveKind::Simulated) =
-            (&mut self.language, settings.kind)
-        {
-            drive.shift(settings.offset - self.settings.offset);
-            self.settings = settings;
-        } else if settings != self.settings {
+        match (&mut self.0, settings.kind) {
+            (Language::Simulated(drive), DriveKind::Simulated) => drive.set_zero(settings.offset),
             // As a new one: what was heard may have been another drive's, or meant another place.
-            *self = Self::new(&settings);
+            _ => *self = Self::new(&settings),
         }
     }
 }

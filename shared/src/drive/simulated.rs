@@ -15,6 +15,8 @@ const FOLLOWING_SHIFT: u32 = 2;
 pub struct Simulated {
     position: Position,
     velocity: Velocity,
+    /// Where the axis is when the drive reads zero.
+    zero: Position,
     /// Ticks for which it was told to be enabled, up to [`ENABLE_TICKS`].
     enabling: u8,
 }
@@ -25,15 +27,20 @@ impl Simulated {
         Self {
             position,
             velocity: Velocity::ZERO,
+            zero: Position::ZERO,
             enabling: 0,
         }
     }
-}
 
-impl Simulated {
-    /// The axis is so much further along from now on, though nothing has moved: its zero is elsewhere.
-    pub(super) fn shift(&mut self, by: Position) {
-        self.position = self.position + by;
+    /// The same drive, in the same place of the axis, which reads zero elsewhere.
+    pub(super) const fn with_zero(self, zero: Position) -> Self {
+        Self { zero, ..self }
+    }
+
+    /// From now on it reads zero there: nothing has moved, but the axis is elsewhere.
+    pub(super) fn set_zero(&mut self, zero: Position) {
+        self.position = self.position + (zero - self.zero);
+        self.zero = zero;
     }
 }
 

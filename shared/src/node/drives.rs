@@ -2,7 +2,7 @@
 
 use super::Node;
 use crate::drive::{Drive, cia402};
-use crate::parameter::{Change, Parameter};
+use crate::parameter::{Change, Parameter, Values};
 use crate::wire::command::{Action, Command};
 use crate::wire::frame::Frame;
 
@@ -35,12 +35,16 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
     }
 }
 
-/// Whether a command may have changed what a link must know of its drive.
-pub(super) fn is_about_drive(command: &Command) -> bool {
+/// Whether a command, where it is accepted, may change what a link must know of its drive. A host that sets
+/// all parameters anew changes nothing where they are the same.
+pub(super) fn changes_drive(command: &Command, values: &Values) -> bool {
     match *command {
-        Command::ParameterWrite { parameter, .. } => Parameter::try_from(parameter)
+        Command::ParameterWrite {
+            parameter, value, ..
+        } => Parameter::try_from(parameter).is_ok_and(|parameter| {
             // All that is about drives is changed while they are disabled, and nothing else is.
-            .is_ok_and(|parameter| parameter.change() == Change::Disabled),
+            parameter.change() == Change::Disabled && values.get(parameter) != value
+        }),
         Command::Control { action, .. } => action == Action::Restore,
         _ => false,
     }

@@ -1,6 +1,6 @@
 //! The drive that the parameters choose, behind a node.
 
-use super::bench::{settings, texts};
+use super::bench::{settings, texts, turns};
 use canter_shared::drive::link::DriveLink;
 use canter_shared::drive::settings::DriveKind;
 use canter_shared::drive::{Condition, Drive, DriveCommand};
@@ -88,34 +88,47 @@ fn one_sync_follows_the_setpoints_of_all_the_lowest_id_last() {
     }
 }
 
+/// Sets a parameter of axis 2, and whatever that takes before.
+fn set(node: &mut Node<DriveLink, 3>, sequence: u8, parameter: Parameter, value: i64) {
+    let session = 9;
+    let control = |action, sequence| Command::Control {
+        action,
+        sequence,
+        session,
+    };
+    let write = Command::ParameterWrite {
+        parameter: parameter.into(),
+        value,
+        sequence: sequence + 2,
+    };
+    for command in [
+        control(Action::Hold, sequence),
+        control(Action::Configure, sequence + 1),
+        write,
+    ] {
+        let frame = command.encode(axis(2).into()).expect("it fits");
+        node.handle_frame(node.next_tick(), &frame);
+    }
+}
+
 #[test]
 fn a_kind_that_is_set_while_the_node_runs_holds_at_once() {
     let mut node = node(DriveKind::Simulated);
     assert_eq!(ticks(&mut node, 5).concat(), [""; 0]);
-    let words = [
-        (Action::Hold, None),
-        (Action::Configure, None),
-        (Action::Configure, Some(2i64)),
-    ];
-    for (sequence, (action, kind)) in (1..).zip(words) {
-        let session = 9;
-        let command = match kind {
-            None => Command::Control {
-                action,
-                sequence,
-                session,
-            },
-            Some(value) => Command::ParameterWrite {
-                parameter: Parameter::DriveKind.into(),
-                value,
-                sequence,
-            },
-        };
-        let frame = command.encode(axis(2).into()).expect("it fits");
-        node.handle_frame(node.next_tick(), &frame);
-    }
+    set(&mut node, 1, Parameter::DriveKind, 2);
     let sent = ticks(&mut node, 3).concat();
     assert_eq!(sent, ["002#FFFFFFFFFFFFFFFD"]);
+}
+
+#[test]
+fn a_link_begins_anew_where_a_parameter_changes_and_not_where_it_is_set_to_what_it_is() {
+    let mut node = node(DriveKind::Mit);
+    // Told to hold no torque, and again after ten ticks.
+    assert_eq!(ticks(&mut node, 2).concat().len(), 3);
+    for (sequence, gear, sent) in [(1, 1_000_000_000, 0), (11, 2_000_000_000, 1)] {
+        set(&mut node, sequence, Parameter::GearRatio, gear);
+        assert_eq!(ticks(&mut node, 2).concat().len(), sent, "{gear}");
+    }
 }
 
 #[test]
@@ -123,18 +136,18 @@ fn what_was_heard_is_forgotten_with_the_drive() {
     let with = |changes: &[_]| settings(DriveKind::Odrive, 2, changes);
     let mut link = DriveLink::new(&with(&[]));
     let hear = |link: &mut DriveLink| {
-        for (id, data) in [(0x41, [0, 0, 0, 0, 1, 0, 0, 0]), (0x49, [0; 8])] {
-            let frame = canter_shared::wire::frame::Frame::new(id, &data).expect("a frame");
+        let turn = 1f32.to_le_bytes();
+        let estimates = [turn, [0; 4]].concat();
+        for (id, data) in [(0x41, &[0, 0, 0, 0, 1, 0, 0, 0][..]), (0x49, &estimates)] {
+            let frame = canter_shared::wire::frame::Frame::new(id, data).expect("a frame");
             assert!(link.receive(&frame));
         }
         link.command(Tick(0), DriveCommand::default());
         assert_eq!(link.report().condition, Condition::Disabled);
+        turns(link.report().position)
     };
-    hear(&mut link);
-    link.configure(|| with(&[]));
-    assert_eq!(link.report().condition, Condition::Disabled);
+    assert_eq!(hear(&mut link), 1.0);
     link.configure(|| with(&[(Parameter::GearRatio, 2.0)]));
     assert_eq!(link.report().condition, Condition::Lost);
-    hear(&mut link);
-    assert_eq!(link.settings().gear, 2_000_000_000);
+    assert_eq!(hear(&mut link), 0.5);
 }
