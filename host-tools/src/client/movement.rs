@@ -37,7 +37,7 @@ const SILENCE: u64 = 500 * MILLISECOND;
 const SETTLE: u64 = 200 * MILLISECOND;
 
 /// How far a drive may stay off its target at rest and still count as arrived, in rad.
-pub const NEAR: f64 = 1e-3;
+const NEAR: f64 = 1e-3;
 
 /// How a move came out for one axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,7 +48,7 @@ pub struct Arrival {
     pub target: f64,
     /// Where the drive is, in rad.
     pub position: f64,
-    /// Whether the drive is at its target too, within [`NEAR`]: its load may hold it off.
+    /// Whether the drive is at its target too, within 1 mrad: its load may hold it off.
     pub arrived: bool,
     /// How long its move lasts.
     pub duration: Ticks,

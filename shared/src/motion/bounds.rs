@@ -102,6 +102,17 @@ pub fn checked_position(field: &'static str, value: f64) -> Result<f64, ProfileE
     checked(field, value, -LARGEST, LARGEST)
 }
 
+/// A duration that arithmetic can carry, as can its reciprocal; zero only where nothing is to happen.
+///
+/// # Errors
+/// One that is not from [`SMALLEST`] to [`LARGEST`] seconds, nor zero for a profile that `stands`.
+pub fn checked_duration(duration: f64, stands: bool) -> Result<f64, ProfileError> {
+    if stands && duration == 0.0 {
+        return Ok(duration);
+    }
+    checked("duration", duration, SMALLEST, LARGEST)
+}
+
 /// A velocity, acceleration or jerk at an end of a profile.
 ///
 /// # Errors

@@ -14,8 +14,8 @@
 pub(super) mod peaks;
 mod within;
 
-use super::bounds::{LARGEST, SMALLEST, checked_position, checked_rate};
-use super::error::{ProfileError, checked};
+use super::bounds::{checked_duration, checked_position, checked_rate};
+use super::error::ProfileError;
 use super::trajectory::{Peaks, Sample, Trajectory};
 
 /// From position and velocity to position and velocity.
@@ -179,8 +179,7 @@ impl<const N: usize> Polynomial<N> {
         unit: Hermite<N>,
     ) -> Result<Self, ProfileError> {
         checked_ends(&from, &to)?;
-        let least = if from == to { 0.0 } else { SMALLEST };
-        checked("duration", duration, least, LARGEST)?;
+        checked_duration(duration, from == to)?;
         let distance = to.position - from.position;
         let (start, stop) = (Rates::scaled(&from, duration), Rates::scaled(&to, duration));
         let back = (

@@ -10,8 +10,8 @@
 //! ```
 
 use super::{PEAK_ACCELERATION, PEAK_JERK, PEAK_VELOCITY};
-use crate::motion::bounds::{Bounds, LARGEST, SMALLEST, checked_position};
-use crate::motion::error::{ProfileError, checked};
+use crate::motion::bounds::{Bounds, checked_duration, checked_position};
+use crate::motion::error::ProfileError;
 use crate::motion::trajectory::{Peaks, Sample, Trajectory};
 use core::f64::consts::PI;
 
@@ -166,8 +166,7 @@ impl Profile {
     pub fn lasting(from: f64, to: f64, duration: f64) -> Result<Self, ProfileError> {
         checked_position("start position", from)?;
         checked_position("stop position", to)?;
-        let least = if from == to { 0.0 } else { SMALLEST };
-        checked("duration", duration, least, LARGEST)?;
+        checked_duration(duration, from == to)?;
         Ok(Self::new(from, to, duration))
     }
 

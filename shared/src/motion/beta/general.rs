@@ -14,7 +14,7 @@
 //! The velocity peaks in the middle, the acceleration at x^2 = 1 / (2 p - 1); the jerk in the middle
 //! or at x^2 = 3 / (2 p - 1), which for p = 2 are the ends.
 
-use crate::motion::bounds::{Bounds, LARGEST, SMALLEST, checked_position};
+use crate::motion::bounds::{Bounds, checked_duration, checked_position};
 use crate::motion::error::{ProfileError, checked};
 use crate::motion::trajectory::{Peaks, Sample, Trajectory};
 
@@ -143,8 +143,7 @@ impl Profile {
         let curve = Curve::new(p)?;
         checked_position("start position", from)?;
         checked_position("stop position", to)?;
-        let least = if from == to { 0.0 } else { SMALLEST };
-        checked("duration", duration, least, LARGEST)?;
+        checked_duration(duration, from == to)?;
         Ok(Self::new(curve, from, to, duration))
     }
 
