@@ -75,21 +75,31 @@ impl Motion {
     }
 }
 
-/// Whether the velocity limit, less a margin, is passed while a multiple of the jerk limit takes the
-/// acceleration back: seen along the acceleration, v + a^2 / 2 j is the velocity then.
+/// Whether a limit, less a margin, is passed while a multiple of the jerk limit takes the acceleration
+/// back: seen along the acceleration, v + a^2 / 2 j is the velocity then.
 ///
-/// A state that is above the limit, since that was lowered, does not pass it any more; nor does one
-/// that steps to another acceleration, with an infinite multiple.
+/// So the velocity limit is passed; or, where the speed falls by more than it may rise with, standstill is
+/// before no more of it is left than that.
+///
+/// A state that is above its limit, since that was lowered, does not pass it any more; nor does one that
+/// steps to another acceleration, with an infinite multiple.
 pub(super) fn passes(state: &Setpoint, limits: &Limits, times: f64, margin: f64) -> bool {
     let acceleration = state.acceleration.counts() as f64;
-    let gained = acceleration * acceleration / (2.0 * limits.jerk().counts() as f64 * times);
+    let twice_jerk = 2.0 * limits.jerk().counts() as f64 * times;
+    let gained = acceleration * acceleration / twice_jerk;
     let speed = state.velocity.counts() as f64;
     let along = if acceleration < 0.0 { -speed } else { speed };
-    let limit = limits.velocity().counts() as f64;
-    gained > 0.0 && along <= limit + ROUNDING_MARGIN && along + gained > limit - margin
+    let fastest = limits.velocity().counts() as f64;
+    let mut most = fastest;
+    let strong = state.acceleration.abs();
+    if along <= 0.0 && limits.acceleration() < strong && strong <= limits.deceleration() {
+        let rises = limits.acceleration().counts() as f64;
+        most = most.min(rises * rises / twice_jerk);
+    }
+    gained > 0.0 && along <= fastest + ROUNDING_MARGIN && along + gained > most - margin
 }
 
-/// Whether a smooth way on would pass the velocity limit.
+/// Whether a smooth way on would pass a limit.
 ///
 /// A stop that has been made with more jerk than the limit, and a stream, come to accelerations that
 /// the jerk limit takes too long to take back. The tolerance is what rounding a state to counts makes

@@ -63,12 +63,16 @@ impl Watch {
         self.strongest = self.last.acceleration.counts().abs() as f64;
     }
 
-    /// Whether the speed would pass its limit while the jerk limit takes the acceleration back.
-    pub fn carries_over_the_limit(&self) -> bool {
+    /// Whether the speed would pass its limit while the jerk limit takes the acceleration back, or be gone
+    /// before no more acceleration is left than the speed may rise with.
+    pub fn carries_over_a_limit(&self) -> bool {
         let acceleration = self.last.acceleration.counts() as f64;
+        let rises = self.limits.acceleration().counts() as f64;
         let jerk = self.limits.jerk().counts() as f64;
         let along = self.last.velocity.counts() as f64 * acceleration.signum();
-        along + acceleration * acceleration / (2.0 * jerk) > self.limits.velocity().counts() as f64
+        let square = acceleration * acceleration;
+        along + square / (2.0 * jerk) > self.limits.velocity().counts() as f64
+            || along <= 0.0 && along + (square - rises * rises) / (2.0 * jerk) > 0.0
     }
 
     /// Holds what follows to the velocity limit, unless it is above that already.
