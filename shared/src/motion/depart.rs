@@ -19,7 +19,8 @@ impl Motion {
     /// the axis stops first. An s-curve leads from the commanded position, velocity and acceleration
     /// to the new target, and a trapezoid from the commanded velocity. What is under way goes on
     /// until `start`. The axis stops first where the way to the new target would leave the travel, and
-    /// where an s-curve would pass the velocity limit: in a stop that is harder than the jerk limit.
+    /// where an s-curve would pass the limit of velocity or acceleration: in a stop that is harder than the
+    /// jerk limit.
     ///
     /// A move that was taken on but has not left yet is replaced.
     ///

@@ -13,7 +13,7 @@ impl Motion {
     /// The quickest stop inside the limits from `state`, which was commanded at `now`.
     ///
     /// As [`Self::stop`] it takes more jerk than the limit rather than leave the travel, and rather
-    /// than pass the velocity limit: a stream may come there with any acceleration. `None` where
+    /// than pass another limit: a stream may come there with any acceleration. `None` where
     /// even that would leave them, or the state is beyond what any axis does.
     pub fn stop_from(now: Tick, state: Setpoint, limits: &Limits) -> Option<Self> {
         let commanded = Commanded {
@@ -39,7 +39,7 @@ impl Motion {
     ///
     /// # Errors
     /// A target outside the travel, or one that can only be reached through outside, or by passing
-    /// the velocity limit: stop first. A duration that is too long.
+    /// another limit: stop first. A duration that is too long.
     pub fn start_from(
         now: Tick,
         state: Setpoint,

@@ -20,7 +20,7 @@ impl Motion {
     /// dropped. Gives the first tick at rest.
     ///
     /// A motion that rests as soon anyway is left alone, a stop under way above all. Where a stop
-    /// would leave the travel or pass the velocity limit, it is made with more jerk than the limit,
+    /// would leave the travel or pass another limit, it is made with more jerk than the limit,
     /// at the last as a quick stop; where even that does not help, the motion under way, which was
     /// checked to stay inside, runs on to its end. From outside the travel every stop counts that
     /// does not lead farther out; above a velocity limit that was lowered it is smooth.
