@@ -74,16 +74,21 @@ impl Chain {
             if piece.ends <= begins {
                 continue;
             }
-            if piece.ends.ticks() > u64::from(LONGEST_MOVE.0) {
+            let is_last = Some(piece.ends) == whole;
+            let mut ends = piece.ends;
+            if is_last && ends.settled() > begins {
+                ends = ends.settled();
+            }
+            if ends.ticks() > u64::from(LONGEST_MOVE.0) {
                 return None;
             }
             let span = Span {
                 start: self.start,
                 from: begins,
-                to: piece.ends,
+                to: ends,
             };
             let mut phase = Phase::new(span, place, piece.entry, piece.exit)?;
-            if Some(piece.ends) == whole {
+            if is_last {
                 if to.is_none() {
                     self.rest = phase.exit_position();
                 }
@@ -92,7 +97,7 @@ impl Chain {
             let (least, greatest) = phase.reach();
             self.reach = (self.reach.0.min(least), self.reach.1.max(greatest));
             place = phase.exit();
-            begins = piece.ends;
+            begins = ends;
             self.end = phase.end();
             if phase.is_seen() {
                 self.phases.push(phase).ok()?;

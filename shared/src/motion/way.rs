@@ -103,11 +103,7 @@ impl Way {
 
     /// The pieces of the quickest motion.
     pub(crate) fn pieces(&self, quickest: &Tried<f64>) -> [Piece; PIECES] {
-        let mut pieces = quickest.pieces(self.sign);
-        if let Some(last) = pieces.last_mut() {
-            last.ends = last.ends.settled();
-        }
-        pieces
+        quickest.pieces(self.sign)
     }
 
     /// The motion that cruises at the velocity limit, where the target is far enough for that.
