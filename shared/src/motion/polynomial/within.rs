@@ -29,9 +29,13 @@ const SEPTIC: Peaks = Peaks {
 
 /// Rounding by which a peak may be over its limit.
 const ROUNDING: f64 = 1e-12;
-/// Each duration that is tried is that much longer than the one before. A window of durations
-/// that is narrower may be missed, and a longer duration found.
+/// Each duration that is tried is that much longer than the one before.
 const STEP: f64 = 1.01;
+/// Where the limits are broken by less than this at the best of three durations, a narrow window of durations
+/// that keep them may lie between: a step changes a jerk by 3 %.
+const SHALLOW: f64 = 1.05;
+/// Golden sections of two steps: they leave 10^-9 of them.
+const SECTIONS: u32 = 43;
 /// How far the search goes beyond the longest time that limits and boundary values name; and below
 /// the shortest of them where mean rates say nothing.
 const FARTHEST: f64 = 100.0;
@@ -43,8 +47,8 @@ impl Cubic {
     ///
     /// The lesser of acceleration and deceleration counts. The jerk is not looked at: a cubic's
     /// acceleration steps at the ends. From rest to rest the duration has a closed form; else it
-    /// is searched for, upwards in steps of 1 %, from the least that the mean velocity, mean
-    /// acceleration and mean jerk allow.
+    /// is searched for, upwards in steps of 1 % and between them where they come near, from the least that
+    /// the mean velocity, mean acceleration and mean jerk allow.
     ///
     /// # Errors
     /// As [`Cubic::new`]; and [`ProfileError::Value`] that names the limit that would have to be
@@ -211,6 +215,31 @@ fn glance(coefficients: &[f64]) -> Peaks {
     seen
 }
 
+/// The duration between two whose worst is least, by golden sections, or one that keeps the limits.
+fn bottom(low: f64, high: f64, worst: &impl Fn(f64) -> Worst) -> f64 {
+    // (sqrt(5) - 1) / 2
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let (mut low, mut high) = (low, high);
+    let at = |time: f64| (time, worst(time).ratio);
+    let mut left = at(high - GOLDEN * (high - low));
+    let mut right = at(low + GOLDEN * (high - low));
+    for _ in 0..SECTIONS {
+        if left.1.min(right.1) <= 1.0 {
+            break;
+        }
+        if left.1 < right.1 {
+            high = right.0;
+            right = left;
+            left = at(high - GOLDEN * (high - low));
+        } else {
+            low = left.0;
+            left = right;
+            right = at(low + GOLDEN * (high - low));
+        }
+    }
+    if left.1 < right.1 { left.0 } else { right.0 }
+}
+
 /// The least duration of which `worst` says that the limits are kept.
 fn search(
     from: &Sample,
@@ -254,19 +283,31 @@ fn search(
         return Ok(first);
     }
     let farthest = (longest * FARTHEST).min(LARGEST / STEP);
-    let mut low;
+    let mut low = first;
     let mut high = first;
+    let mut ratios = [f64::INFINITY, nearest.ratio];
     // The end is a bounded number of decades away, so this comes to it.
     loop {
         if high >= farthest {
             return Err(nearest.error());
         }
+        let before = low;
         low = high;
         high *= STEP;
         let found = worst(high);
         if found.kept() {
             break;
         }
+        // Between two steps there may be a few durations that do.
+        let [falling, least] = ratios;
+        if least <= falling && least <= found.ratio && least < SHALLOW {
+            let bottom = bottom(before, high, &worst);
+            if worst(bottom).kept() {
+                (low, high) = (before, bottom);
+                break;
+            }
+        }
+        ratios = [least, found.ratio];
         if found.ratio < nearest.ratio {
             nearest = found;
         }
