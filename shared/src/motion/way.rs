@@ -124,6 +124,7 @@ mod tests {
     use super::*;
     use crate::motion::s_curve::{self, SignedBounds};
     use crate::motion::trajectory::Trajectory;
+    use crate::units::COUNTS_PER_TURN;
     use proptest::prelude::*;
 
     proptest! {
@@ -147,12 +148,22 @@ mod tests {
             let bounds = Bounds::new(fastest, rise, fall, jerk).expect("limits");
             let stop = s_curve::change_velocity(from, 0.0, &signed).expect("a stop");
             let target = stop.end().position + libm::exp10(beyond);
-            let exact = s_curve::time_optimal(from, Sample::at_rest(target), &signed);
+            let exact = |target| {
+                s_curve::time_optimal(from, Sample::at_rest(target), &signed).map(|curve| curve.duration())
+            };
             let way = Way::new(&from, target, 1.0, rise, &bounds);
             let quickest = way.quickest().expect("a motion");
-            let ratio = quickest.duration() / exact.expect("a motion").duration();
-            // Of a way of 10^-6 turn, 4295 counts, four may be missing.
-            prop_assert!((ratio - 1.0).abs() < 1e-7, "{ratio} {from:?} {target} {limits:?}");
+            // A device's motion may miss its target by four counts, which shows in the time where little more
+            // than the stop is to go: it is as quick as the ones to there.
+            let four = 4.0 / COUNTS_PER_TURN as f64;
+            let times = [-four, 0.0, four].map(|by| exact(target + by).expect("a motion"));
+            let least = times.into_iter().fold(f64::INFINITY, f64::min) * (1.0 - 1e-8);
+            let most = times.into_iter().fold(0.0, f64::max) * (1.0 + 1e-8);
+            let seconds = quickest.duration();
+            prop_assert!(
+                least < seconds && seconds < most,
+                "{seconds} {times:?} {from:?} {target} {limits:?}"
+            );
         }
     }
 }
