@@ -269,7 +269,8 @@ impl Axis {
         self.drive = Some(report);
     }
 
-    /// The setpoint of `tick`, handed over at bus time `now`; called once for each tick in turn.
+    /// The setpoint of `tick`, handed over for bus time `now`, which is later than the tick's where the node
+    /// is; called once for each tick in turn.
     pub fn tick(&mut self, tick: Tick, now: BusTime) -> Setpoint {
         self.tick = tick;
         self.handed_over = now;

@@ -8,7 +8,7 @@ use canter::bus::{Bus, BusError, Received};
 use canter::client::{Arrival, Client, Goal, MoveRequest, Overrides, Target};
 use canter::robot::Robot;
 use canter::sim::{Configuration, Observer, SimulatedBus, TrueTime};
-use canter_shared::node::AxisSetpoint;
+use canter_shared::node::{AxisSetpoint, TICK_LEAD};
 use canter_shared::time::BusTime;
 use canter_shared::wire::command::{Command, ProfileKind};
 use canter_shared::wire::frame::Frame;
@@ -211,7 +211,8 @@ fn ticks_stay_locked_to_sync() {
         // From the first move on; and the last tick may not be complete.
         let moving = || ticks.0.iter().skip_while(|ran| ran.tick < FIRST_MOVE);
         let ran = || moving().filter(|ran| ran.axes == 12);
-        let late = |time: u64, ran: &Ran| (time - ran.tick * TICK) as f64;
+        let lead = 1_000 * TICK_LEAD;
+        let late = |time: u64, ran: &Ran| (time + lead - ran.tick * TICK) as f64;
         let sum: f64 = ran()
             .map(|ran| late(ran.first, ran) + late(ran.last, ran))
             .sum();

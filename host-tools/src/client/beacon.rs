@@ -14,7 +14,7 @@ use canter_shared::wire::id::Address;
 
 /// Between two SYNCs, in microseconds: some 20 ms, in which crystals of +-100 ppm part by 4 us.
 ///
-/// Nodes send their reports right after whole milliseconds. SYNCs at whole milliseconds too would
+/// Nodes send their reports around whole milliseconds, after their ticks. SYNCs at whole milliseconds too would
 /// meet the same report again and again and come late each time. So each is earlier in its
 /// millisecond than the one before by 1 - 0.618, the golden section, which spreads them evenly.
 pub(crate) const SYNC_PERIOD: u64 = 19_618;

@@ -52,7 +52,8 @@ pub struct Arrival {
     pub arrived: bool,
     /// How long its move lasts.
     pub duration: Ticks,
-    /// The start that the axis measured: when it handed over the setpoint of the start tick.
+    /// The start that the axis measured: when it handed over the setpoint of the start tick,
+    /// with [`canter_shared::node::TICK_LEAD`] counted in.
     pub start: BusTime,
     /// How much later it measured its start than the earliest axis of the move.
     pub skew_microseconds: u64,

@@ -1,15 +1,16 @@
 //! SYNC, honest and wild: setpoints keep their limits in the time that really passes.
 
 use super::bench::{AXIS, beta, frame, trapezoid};
-use super::node_bench::{Lame, NodeBench, OFFSET, fastest, most_in_a_millisecond};
+use super::node_bench::{Lame, NodeBench, OFFSET, Sent, fastest, most_in_a_millisecond};
 use canter_shared::axis::HOST_TIMEOUT;
 use canter_shared::axis::fault::Fault;
 use canter_shared::axis::state::State;
 use canter_shared::drive::Drive;
 use canter_shared::drive::simulated::Simulated;
 use canter_shared::limits::Limits;
+use canter_shared::node::TICK_LEAD;
 use canter_shared::time::bus_clock::BusClock;
-use canter_shared::time::{BusTime, LocalTime};
+use canter_shared::time::{BusTime, LocalTime, Tick};
 use canter_shared::units::Position;
 use canter_shared::wire::command::{Action, Command};
 
@@ -39,6 +40,28 @@ fn keeps_its_speed<D: Drive>(bench: &NodeBench<D>) {
     for ticks in [1, 2, 10, 100] {
         let speed = fastest(&bench.sent, ticks);
         assert!(speed <= limit, "{speed} rad/s over {ticks} ticks");
+    }
+}
+
+/// Around the instant of a tick its setpoints leave, so it runs before: from the first one on, and by bus time.
+#[test]
+fn a_tick_runs_ahead_of_its_instant() {
+    let mut bench = NodeBench::new(Simulated::new(Position::ZERO));
+    bench.run(20_000);
+    let first = &bench.sent[0];
+    assert_eq!((first.at, first.setpoint.tick), (0, Tick(0)));
+    let ahead = |sent: &Sent, offset: u64| sent.setpoint.tick.time().0 - (sent.at + offset);
+    for sent in &bench.sent[1..] {
+        assert_eq!(ahead(sent, 0), TICK_LEAD);
+    }
+    bench.sync(bench.now + OFFSET);
+    // The one that was under way when the clock was set comes no later for it.
+    bench.run(2_000);
+    bench.sent.clear();
+    bench.run(100_000);
+    assert!(bench.sent.len() >= 99);
+    for sent in &bench.sent {
+        assert_eq!(ahead(sent, OFFSET), TICK_LEAD);
     }
 }
 

@@ -9,7 +9,7 @@ use canter_shared::axis::state::State;
 use canter_shared::drive::link::DriveLink;
 use canter_shared::drive::settings::{DriveKind, OdriveFirmware};
 use canter_shared::limits::Limits;
-use canter_shared::node::{Board, Identity, Node};
+use canter_shared::node::{Board, Identity, Node, TICK_LEAD};
 use canter_shared::parameter::{Parameter, Values};
 use canter_shared::time::{LocalTime, Ticks};
 use canter_shared::units::{COUNTS_PER_TURN, Position};
@@ -25,6 +25,9 @@ const TICK: u64 = 1_000_000;
 /// From a tick to its frames in the controller: at 170 MHz three axes take the 1500 instructions each that a
 /// tick may take in some 27 us.
 pub const HANDING_OVER: u64 = 30_000;
+
+/// What a tick runs ahead of its instant.
+pub const LEAD: u64 = TICK_LEAD * 1_000;
 
 /// Frames that the node's controller takes over: the three buffers of an FDCAN, sent in their order.
 const ROOM: usize = 3;
@@ -71,9 +74,9 @@ pub struct Setup {
 pub struct Sent {
     /// Which of the axes, counted from 0.
     pub axis: usize,
-    /// Nanoseconds from its tick to its first bit and behind its last.
-    pub start: u64,
-    pub end: u64,
+    /// Nanoseconds from the instant of its tick to its first bit and behind its last.
+    pub start: i64,
+    pub end: i64,
 }
 
 struct Drive {
@@ -89,10 +92,10 @@ pub struct Rig {
     hosts_bus: Segment,
     drives_bus: Segment,
     now: u64,
-    /// The instant of the last tick, and when what it left for the drives is handed over.
+    /// When the last tick ran, and when what it left for the drives is handed over.
     tick: u64,
     handed: Option<u64>,
-    /// The instants of the ticks that the frames with the node's controller are of.
+    /// When the ticks ran that the frames with the node's controller are of.
     waiting: VecDeque<u64>,
     /// Answers that drives are about to give, in the order of their times.
     answers: VecDeque<(u64, usize, Frame)>,
@@ -343,11 +346,12 @@ impl Rig {
     fn pass_on(&mut self, passed: &Passed) {
         if passed.sender == NODE {
             let tick = self.waiting.pop_front().expect("it was handed over");
+            let instant = (tick + LEAD) as i64;
             if let Some(axis) = self.setpoint_of(&passed.frame) {
                 self.sent.push(Sent {
                     axis,
-                    start: passed.start.0 - tick,
-                    end: passed.end.0 - tick,
+                    start: passed.start.0 as i64 - instant,
+                    end: passed.end.0 as i64 - instant,
                 });
             }
             if self.handed.is_none() {
