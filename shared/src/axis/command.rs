@@ -52,6 +52,7 @@ impl Axis {
     }
 
     /// The same for a frame that its node has decoded already, and that is for this axis.
+    #[inline(never)]
     pub(crate) fn handle_command(
         &mut self,
         now: BusTime,
@@ -114,6 +115,7 @@ impl Axis {
 
     /// Whether a command comes from the session that holds the axis, under a new number, which
     /// is then used up. A hold is itself the way to become that session.
+    #[inline(never)]
     fn admit(&mut self, command: &Command, sequence: u8) -> Result<(), Refusal> {
         match *command {
             Command::Control {

@@ -204,6 +204,7 @@ impl Plan {
         }
     }
 
+    #[inline(never)]
     fn change_motion(&mut self) -> Result<Planned, Refusal> {
         let splice = self.splice;
         let wanted = match self.change {
@@ -352,6 +353,7 @@ impl Axis {
     }
 
     /// Whether there is something to plan that nobody has taken, or that has not come back in time.
+    #[inline(never)]
     pub fn has_plan(&self) -> bool {
         match self.planning.working {
             Some((_, splice)) => splice < self.tick,

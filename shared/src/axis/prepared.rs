@@ -21,6 +21,7 @@ pub(super) struct Prepared {
 
 impl Prepared {
     /// Takes out what a move of this kind uses up.
+    #[inline(never)]
     pub(super) fn take(&mut self, kind: ProfileKind) -> Self {
         match kind {
             ProfileKind::Beta => Self::default(),
@@ -44,6 +45,7 @@ impl Prepared {
     }
 
     /// The profile of a move that is prepared in this way.
+    #[inline(never)]
     pub(super) fn profile(&self, kind: ProfileKind) -> Profile {
         match (kind, self.shape) {
             (ProfileKind::Beta, _) => Profile::Beta,
@@ -63,6 +65,7 @@ impl Prepared {
     ///
     /// In mid-move a jerk that is too small to take back the acceleration before the velocity
     /// passes the axis's own limit does not count.
+    #[inline(never)]
     pub(super) fn limits(&self, own: &Limits, state: &Setpoint) -> Limits {
         let (acceleration, deceleration) = self
             .ramps

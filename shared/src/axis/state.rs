@@ -81,6 +81,7 @@ impl fmt::Display for State {
 }
 
 impl Axis {
+    #[inline(never)]
     pub(super) fn enter(&mut self, state: State) {
         if self.state != state {
             self.state = state;

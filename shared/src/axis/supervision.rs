@@ -34,6 +34,7 @@ const REPORTS: u32 = {
 /// The axis that a frame is from; `None` where it is none that a node sends.
 ///
 /// Asked about every frame on the bus, before anything else: only the id is looked at.
+#[inline(never)]
 pub(crate) fn sender_of(frame: &Frame) -> Option<AxisId> {
     let function = frame.id() >> AXIS_BITS;
     // Five bits, as an id of eleven has.
