@@ -57,6 +57,16 @@ need_rust() {
     done
 }
 
+# build_tests TEST [ARGUMENT...]: `canter`, which they run, and the programs of that test.
+#
+# In one build of all packages: what two of them ask of a library (its features) differs, and each build of one
+# alone would make that library anew, and all that needs it.
+build_tests() {
+    local name=$1
+    shift
+    cargo build --locked --release --bin canter --test "$name" "$@"
+}
+
 # What building and measuring images takes.
 need_images() { need_rust clippy llvm-tools rust-std-thumbv7em-none-eabihf; }
 

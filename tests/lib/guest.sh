@@ -15,7 +15,7 @@ guest_modules=(drivers/virtio/virtio drivers/virtio/virtio_ring drivers/virtio/v
 find_guest() {
     package=$(apt-cache depends linux-image-amd64 2>/dev/null | awk '/Depends: linux-image-/ { print $2; exit }')
     guest=$CARGO_TARGET_DIR/guest/$package
-    [ -n "$package" ] && [ -d "$guest" ]
+    [ -n "$package" ] && [ -f "$guest/vmlinux" ]
 }
 
 unpack_guest() {
@@ -24,24 +24,25 @@ unpack_guest() {
     unpacked=$(mktemp -d "$CARGO_TARGET_DIR/unpacked.XXXXXX")
     mkdir -p "$unpacked/kept/modules"
     (cd "$unpacked" && apt-get download -qq -o APT::Sandbox::User=root "$package" && dpkg -x ./*.deb .)
-    cp "$unpacked"/boot/vmlinuz-* "$unpacked/kept/vmlinuz"
+    python3 tests/guest/vmlinux.py "$unpacked"/boot/vmlinuz-* "$unpacked/kept/vmlinux"
     for module in "${guest_modules[@]}"; do
         cp "$unpacked"/lib/modules/*/kernel/"$module.ko" "$unpacked/kept/modules/"
     done
     mkdir -p "${guest%/*}"
+    rm -rf "$guest"
     mv "$unpacked/kept" "$guest"
     rm -rf "$unpacked"
 }
 
 # need_guest: QEMU, a kernel and its first file system. Nothing is installed of the kernel: it is unpacked.
 need_guest() {
-    need qemu-system-x86 busybox-static
+    need qemu-system-x86 busybox-static python3
     if ! find_guest; then
         # Lists that are old name a kernel that is no longer there.
         as_root apt-get update -qq
         find_guest || true
         [ -n "$package" ] || die "there is no package linux-image-amd64: run this on Debian, or on a kernel with CAN"
-        [ -d "$guest" ] || unpack_guest
+        [ -f "$guest/vmlinux" ] || unpack_guest
     fi
     local root=$guest/root
     rm -rf "$root"
@@ -53,10 +54,12 @@ need_guest() {
 }
 
 # guest_command SCRIPT: sets `command` to what runs SCRIPT in the machine, as root of the host's file tree.
+#
+# A plain processor is emulated faster than one with every extension.
 guest_command() {
-    command=(qemu-system-x86_64 -machine pc -cpu max -m 1024 -icount shift=0
+    command=(qemu-system-x86_64 -machine pc -cpu qemu64 -m 1024 -icount shift=0
         -nodefaults -no-user-config -display none -serial stdio -monitor none -no-reboot
-        -kernel "$guest/vmlinuz" -initrd "$guest/initramfs"
+        -kernel "$guest/vmlinux" -initrd "$guest/initramfs"
         -append "console=ttyS0 quiet panic=-1 mitigations=off tsc=reliable script=$1"
         -virtfs "local,path=/,mount_tag=host,security_model=none,multidevs=remap")
 }

@@ -12,7 +12,7 @@ for board in nucleo-g474re nucleo-f446re nucleo-h743zi2; do
 done
 
 say "tests"
-cargo test --locked --release --package canter-tests --test firmware -- --nocapture
+cargo test --locked --release --test firmware -- --nocapture
 
 say "the image of nucleo-g474re on an emulated chip"
 package=$(cargo pkgid --locked --package canter-firmware)

@@ -4,7 +4,7 @@
 source tests/lib/common.sh
 need_rust
 
-cargo build --locked --release --package canter
+build_tests soak
 canter=$CARGO_TARGET_DIR/release/canter
 log=$CARGO_TARGET_DIR/soak.log
 
@@ -29,4 +29,4 @@ document=$("$canter" --json soak --seed 1 --hours 0.1 --axes 12 --threads 1 --fa
 measure "simulated seconds in a second, 12 axes, one core, checked" "$(number speed "$document")" "100 wished for"
 
 say "tests"
-cargo test --locked --release --package canter-tests --test soak --test skew
+cargo test --locked --release --test soak --test skew

@@ -8,7 +8,6 @@ image_cargo build --profile firmware --package canter-firmware --no-default-feat
 image_cargo build --profile firmware --package canter-images
 
 say "tests"
-# `canter` is what they run.
-cargo build --locked --release --package canter
+build_tests target
 # One at a time: the emulated node lives in real time.
-cargo test --locked --release --package canter-tests --test target -- --nocapture --test-threads=1
+cargo test --locked --release --test target -- --nocapture --test-threads=1

@@ -306,7 +306,7 @@ fn a_drives_fault_is_latched_with_its_meaning_and_cleared() {
 }
 
 #[test]
-fn a_drive_that_reboots_or_falls_silent_is_lost_and_stays_without_torque() {
+fn a_drive_that_reboots_is_lost_until_it_is_cleared() {
     for kind in KINDS {
         // Its reboot takes longer than drive.timeout.
         let mut driven = Driven::start(["vcan18", "vcan19"], &format!("{kind} --reboot-at 1"));
@@ -315,8 +315,13 @@ fn a_drive_that_reboots_or_falls_silent_is_lost_and_stays_without_torque() {
         driven.drive_says("its power goes and comes");
         driven.recover();
         driven.finish();
+    }
+}
 
-        // It still hears: it is told to let go.
+/// It still hears: it is told to let go.
+#[test]
+fn a_drive_that_falls_silent_is_lost_and_stays_without_torque() {
+    for kind in KINDS {
         let mut driven = Driven::start(["vcan18", "vcan19"], &format!("{kind} --silent-at 1"));
         assert_eq!(driven.fault_in_mid_move(), "drive_lost", "{kind}");
         driven.drive_says("drive 1: disabled");
