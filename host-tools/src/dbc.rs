@@ -57,6 +57,11 @@ pub fn addresses(addressing: Addressing) -> impl Iterator<Item = Address> {
     all.then_some(Address::All).into_iter().chain(axes)
 }
 
+/// The names of a field's values: number and name.
+pub(crate) fn choices(choices: Choices) -> Vec<(u8, String)> {
+    meaning::names(choices)
+}
+
 /// The name of a frame, such as `MoveBeta_7` or `EmergencyStop_all`.
 pub fn message_name(function: Function, address: Address) -> String {
     match address {

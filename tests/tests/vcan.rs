@@ -5,6 +5,7 @@ mod vcan {
     mod double;
     mod drives;
     mod flood;
+    mod logs;
     mod moves;
     mod paths;
     mod refusals;

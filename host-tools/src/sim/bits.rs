@@ -6,7 +6,7 @@ use canter_shared::wire::frame::Frame;
 const TAIL: u32 = 1 + 2 + 7;
 
 /// Recessive bits after a frame before the next may begin.
-pub(super) const INTERFRAME: u32 = 3;
+pub(crate) const INTERFRAME: u32 = 3;
 
 const CRC_BITS: u32 = 15;
 
@@ -108,7 +108,7 @@ fn stuffed_part(frame: &Frame) -> Bits {
 }
 
 /// Bits from the start of the frame to the end of its end-of-frame field, stuff bits included.
-pub(super) fn length(frame: &Frame) -> u32 {
+pub(crate) fn length(frame: &Frame) -> u32 {
     let bits = stuffed_part(frame);
     bits.count + bits.stuffed() + TAIL
 }

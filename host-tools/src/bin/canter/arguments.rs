@@ -4,6 +4,7 @@ mod drive;
 mod foot;
 mod gait;
 mod leg;
+mod log;
 mod param;
 mod path;
 mod profile;
@@ -12,6 +13,7 @@ pub use drive::{Drive, DriveKindArgument};
 pub use foot::{Foot, FootFormat};
 pub use gait::{GaitAction, GaitArguments, GaitFormat, GaitPlan, GaitRun};
 pub use leg::{LegAction, LegArguments};
+pub use log::{LogAction, LogArguments, LogFile, LogStats};
 pub use param::{Param, ParamAction, ParamSet};
 pub use path::{Path, PathFormat};
 pub use profile::{Compare, CompareFormat, Plan, PlanFormat, ShaperArgument};
@@ -101,6 +103,8 @@ pub enum Verb {
     Leg(LegArguments),
     /// Show the gaits, plan walks offline, and walk on the robot.
     Gait(GaitArguments),
+    /// Read a log of the bus: what it says, how full the bus was, its commands once more.
+    Log(LogArguments),
     /// Prove the promise: random robots, commands, hostile traffic and faults, in virtual time.
     Soak(Soak),
     /// Print canter.dbc: the protocol for other tools.

@@ -6,6 +6,7 @@ mod drive;
 mod foot;
 mod gait;
 mod leg;
+mod log;
 mod r#move;
 mod node;
 mod param;
@@ -47,6 +48,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         Verb::Foot(request) => foot::run(&context, &request),
         Verb::Gait(request) => gait::run(&context, &request.action),
         Verb::Leg(request) => leg::run(&context, &request.action),
+        Verb::Log(request) => log::run(&context, &request.action),
         Verb::Soak(request) => soak::run(&context, &request),
         Verb::Dbc => tools::dbc(),
         Verb::Completions(wanted) => tools::completions(wanted.shell),

@@ -130,7 +130,7 @@ pub struct GaitRun {
     pub bitrate: Option<Bitrate>,
 }
 
-fn bitrate(text: &str) -> Result<Bitrate, String> {
+pub(super) fn bitrate(text: &str) -> Result<Bitrate, String> {
     let rate = text.parse().ok().and_then(Bitrate::from_bits_per_second);
     rate.ok_or_else(|| String::from("write a usual bit rate, such as 1000000, 500000 or 250000"))
 }
