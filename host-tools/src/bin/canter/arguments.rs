@@ -7,6 +7,7 @@ mod leg;
 mod param;
 mod path;
 mod profile;
+mod watch;
 
 pub use drive::{Drive, DriveKindArgument};
 pub use foot::{Foot, FootFormat};
@@ -15,6 +16,7 @@ pub use leg::{LegAction, LegArguments};
 pub use param::{Param, ParamAction, ParamSet};
 pub use path::{Path, PathFormat};
 pub use profile::{Compare, CompareFormat, Plan, PlanFormat, ShaperArgument};
+pub use watch::Watch;
 
 use canter::bus::{Address, AddressError};
 use canter::client::{ChipId, ChipIdError, Goal, Target};
@@ -73,6 +75,8 @@ pub enum Verb {
     Scan(Scan),
     /// Print the state of every axis on the bus.
     Status,
+    /// Show the state of every axis on the bus as it changes: a live screen, or lines.
+    Watch(Watch),
     /// Enable axes where they are.
     Enable(Axes),
     /// Stop and disable axes.
