@@ -76,6 +76,10 @@ pub enum Verb {
     /// Print the state of every axis on the bus.
     Status,
     /// Show the state of every axis on the bus as it changes: a live screen, or lines.
+    ///
+    /// It only listens. On a terminal it is a screen, otherwise the table of `canter status` each period. With
+    /// --json it is a document each period, on a line of its own: `time`, of the bus's own clock, in s; and `axes`,
+    /// as `canter status` has them, each with `silent`: whether it was not heard for 0.5 s.
     Watch(Watch),
     /// Enable axes where they are.
     Enable(Axes),

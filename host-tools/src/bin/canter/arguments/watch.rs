@@ -7,9 +7,6 @@ use clap::Args;
 const SHORTEST: f64 = 0.02;
 const LONGEST: f64 = 60.0;
 
-/// On a terminal a screen, otherwise the table of `canter status` each period. With --json a document each period,
-/// on a line of its own: `time`, of the bus's own clock, in s; and `axes`, as `canter status` has them, each with
-/// `silent`, whether it was not heard for 0.5 s. Nothing is sent on the bus.
 #[derive(Args)]
 pub struct Watch {
     /// How often it is shown, in s, from 0.02 to 60; 0.1 on a terminal and 1 otherwise without it.
