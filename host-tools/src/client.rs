@@ -60,6 +60,8 @@ pub struct Client<B: Bus> {
     /// The last number used; one sequence serves all axes, so that a group can share a number.
     sequence: u8,
     beacon: beacon::Beacon,
+    /// Frames heard, whoever sent them.
+    frames: u64,
     interrupt: Arc<AtomicBool>,
     /// Words for the person at the terminal that are no errors: what the bus complained of.
     complaints: Vec<String>,
@@ -77,6 +79,7 @@ impl<B: Bus> Client<B> {
             held: Vec::new(),
             sequence: 0,
             beacon: beacon::Beacon::default(),
+            frames: 0,
             interrupt: Arc::default(),
             complaints: Vec::new(),
         }
@@ -110,6 +113,11 @@ impl<B: Bus> Client<B> {
     /// What is known of the axes that have been heard.
     pub fn axes(&self) -> &BTreeMap<AxisId, KnownAxis> {
         &self.axes
+    }
+
+    /// How many frames were heard, whoever sent them.
+    pub fn frames_heard(&self) -> u64 {
+        self.frames
     }
 
     /// What the bus complained of since the last call, each once.

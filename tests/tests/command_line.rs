@@ -174,6 +174,62 @@ fn scan_and_status_tell_of_twelve_axes() {
 }
 
 #[test]
+fn watch_tells_of_twelve_axes_until_its_time_is_over() {
+    let watched = canter("watch --for 0.3 --period 0.1 --json").success();
+    let lines = watched.stdout.lines();
+    let documents: Vec<serde_json::Value> = lines
+        .map(|line| serde_json::from_str(line).expect("a document on each line"))
+        .collect();
+    let times: Vec<_> = documents.iter().map(|told| told["time"].as_f64()).collect();
+    assert_eq!(times, [0.1, 0.2, 0.3].map(Some), "{watched:#?}");
+    let status = canter("status --json").success().json();
+    let axes = documents[2]["axes"].as_array().expect("a list");
+    assert_eq!(axes.len(), 12);
+    for (axis, status) in axes.iter().zip(status["axes"].as_array().expect("a list")) {
+        let mut wanted = status.clone();
+        wanted["silent"] = false.into();
+        assert_eq!(*axis, wanted);
+    }
+
+    // A table at the end at least, and an empty line between two.
+    let shown = canter("watch --for 2.5").success().stdout;
+    let tables: Vec<_> = shown.split("\n\n").collect();
+    assert_eq!(tables.len(), 3, "{shown}");
+    assert!(
+        tables
+            .iter()
+            .all(|table| table.trim_end().lines().count() == 13),
+        "{shown}"
+    );
+
+    for period in ["0.01", "61", "often"] {
+        let refused = canter(&format!("watch --period {period}"));
+        assert_eq!(refused.status.code(), Some(2), "{refused:#?}");
+        assert!(refused.stderr.contains(period), "{refused:#?}");
+    }
+}
+
+/// Virtual time goes no faster than real time here, and so it runs until it is ended.
+#[test]
+fn watch_without_an_end_is_ended_by_a_signal_or_by_a_reader_that_has_seen_enough() {
+    for signal in ["INT", "TERM"] {
+        let mut command = Command::new(canter_tests::canter());
+        command.env_remove("CANTER_CAN");
+        let mut watch = Process::spawn(command.args(["watch", "--json", "--period", "0.02"]));
+        watch.wait_for("a document", |line| line.text.starts_with('{'));
+        watch.signal(signal);
+        watch.finish().success();
+    }
+    let canter = canter_tests::canter();
+    let script = format!(
+        "set -o pipefail; {} --can sim watch --json --period 0.02 | head -n 2",
+        canter.display()
+    );
+    let finished = Process::spawn(Command::new("bash").args(["-c", &script])).finish();
+    assert_eq!(finished.success().stdout.lines().count(), 2);
+}
+
+#[test]
 fn a_move_ends_at_its_targets() {
     for profile in ["beta", "trapezoid"] {
         let request = format!("move 1=90deg 2-3=-0.5turn 4=1 --profile {profile} --json");

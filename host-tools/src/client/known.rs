@@ -59,7 +59,8 @@ pub struct KnownAxis {
 /// which the axes miss their host.
 const STREAM_SILENCE: u64 = 120 * MILLISECOND;
 
-/// The same where nobody asked the axis how often it reports, which is every 20 ms as a rule.
+/// The same where nobody asked the axis how often it reports, which is every 20 ms as a rule. Its heartbeat
+/// comes every 200 ms at the least, so one of them may be lost.
 const UNKNOWN_SILENCE: u64 = 500 * MILLISECOND;
 
 /// Reports that may be missing in a row, of an axis that seldom reports.
@@ -73,6 +74,11 @@ impl KnownAxis {
             Some(ticks) => STREAM_SILENCE.max(REPORTS * ticks.unsigned_abs() * MILLISECOND),
             None => UNKNOWN_SILENCE,
         }
+    }
+
+    /// Whether it has been silent for so long at `now`, in the bus's own time, that it counts as gone: for 0.5 s.
+    pub fn is_silent(&self, now: BusTime) -> bool {
+        now.0.saturating_sub(self.heard.0) > UNKNOWN_SILENCE
     }
 
     pub(super) fn learn(&mut self, report: &Report, now: BusTime) {

@@ -97,6 +97,7 @@ impl<B: Bus> Client<B> {
     fn learn(&mut self, now: BusTime, event: Event) {
         match event {
             Event::Frame(frame) => {
+                self.frames += 1;
                 if let Ok(Some((_, Command::Sync { counter, time }))) = Command::decode(&frame) {
                     self.hear_sync(now, counter, time);
                 } else if let Ok(Some((axis, report))) = Report::decode(&frame) {
@@ -232,6 +233,17 @@ impl<B: Bus> Client<B> {
             .filter(|(_, known)| known.heard >= start)
             .map(|(axis, _)| *axis)
             .collect())
+    }
+
+    /// Listens to everybody until an instant of the bus's own time, and learns at least what has arrived
+    /// already: [`Self::axes`] has it.
+    ///
+    /// # Errors
+    /// The bus failed, or the listening was interrupted.
+    pub fn listen_until(&mut self, until: BusTime) -> Result<(), ClientError> {
+        self.catch_up()?;
+        self.wait(until, |_| false)?;
+        Ok(())
     }
 
     /// Asks everybody who they are, and gives those that answered, in the order of their axes.

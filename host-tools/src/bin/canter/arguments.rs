@@ -8,6 +8,7 @@ mod log;
 mod param;
 mod path;
 mod profile;
+mod watch;
 
 pub use drive::{Drive, DriveKindArgument};
 pub use foot::{Foot, FootFormat};
@@ -17,6 +18,7 @@ pub use log::{LogAction, LogArguments, LogFile, LogStats};
 pub use param::{Param, ParamAction, ParamSet};
 pub use path::{Path, PathFormat};
 pub use profile::{Compare, CompareFormat, Plan, PlanFormat, ShaperArgument};
+pub use watch::Watch;
 
 use canter::bus::{Address, AddressError};
 use canter::client::{ChipId, ChipIdError, Goal, Target};
@@ -75,6 +77,12 @@ pub enum Verb {
     Scan(Scan),
     /// Print the state of every axis on the bus.
     Status,
+    /// Show the state of every axis on the bus as it changes: a live screen, or lines.
+    ///
+    /// It only listens. On a terminal it is a screen, otherwise the table of `canter status` each period. With
+    /// --json it is a document each period, on a line of its own: `time`, of the bus's own clock, in s; and `axes`,
+    /// as `canter status` has them, each with `silent`: whether it was not heard for 0.5 s.
+    Watch(Watch),
     /// Enable axes where they are.
     Enable(Axes),
     /// Stop and disable axes.

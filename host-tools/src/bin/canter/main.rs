@@ -7,6 +7,7 @@ mod verb;
 
 use arguments::Arguments;
 use clap::Parser;
+use std::io::Write;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -17,7 +18,9 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             if json {
-                println!("{}", serde_json::json!({ "error": format!("{error:#}") }));
+                let told = serde_json::json!({ "error": format!("{error:#}") });
+                // It may be stdout that failed; stderr has it as well.
+                let _ = writeln!(std::io::stdout(), "{told}");
             }
             eprintln!("error: {error:#}");
             if verb::is_usage(&error) {

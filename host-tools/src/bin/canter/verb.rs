@@ -18,6 +18,7 @@ mod soak;
 mod status;
 mod stop;
 mod tools;
+mod watch;
 mod zero;
 
 use crate::arguments::{Arguments, Verb};
@@ -35,6 +36,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         Verb::Scan(arguments) => scan::run(&context, &arguments),
         Verb::Param(arguments) => param::run(&context, &arguments),
         Verb::Status => status::run(&context),
+        Verb::Watch(wanted) => watch::run(&context, &wanted),
         Verb::Enable(list) => power::run(&context, power::Change::Enable, &list.axes),
         Verb::Disable(list) => power::run(&context, power::Change::Disable, &list.axes),
         Verb::Clear(list) => power::run(&context, power::Change::Clear, &list.axes),

@@ -36,25 +36,43 @@ pub fn print(context: &Context, client: &Client<Box<dyn Bus>>, axes: &[AxisId]) 
     if context.json {
         return;
     }
-    println!("axis  state                  position rad  velocity rad/s  held by  fault");
+    println!("{HEAD}");
     for (axis, known) in known {
-        let session = match known.session {
-            None | Some(0) => String::from("nobody"),
-            Some(session) => format!("{session:#06x}"),
-        };
-        let fault = known.fault.map_or(String::new(), |fault| {
-            format!("{}: {}; {}", fault.name(), fault.cause(), fault.cure())
-        });
-        println!(
-            "{axis:>4}  {:<21}  {:>12.6}  {:>14.6}  {session:<7}  {fault}",
-            known.state.map_or("unknown", State::name),
-            known.position.map_or(f64::NAN, Position::radians),
-            known.velocity.map_or(f64::NAN, Velocity::radians),
-        );
+        println!("{}", row(axis, known, state(known)));
     }
 }
 
-fn document(axis: AxisId, known: &KnownAxis) -> serde_json::Value {
+/// What stands over the rows.
+pub const HEAD: &str = "axis  state                  position rad  velocity rad/s  held by  fault";
+
+/// What is known of an axis, in a row, with words for its state.
+pub fn row(axis: AxisId, known: &KnownAxis, state: &str) -> String {
+    let fault = known.fault.map_or(String::new(), |fault| {
+        format!("{}: {}; {}", fault.name(), fault.cause(), fault.cure())
+    });
+    format!(
+        "{axis:>4}  {state:<21}  {:>12.6}  {:>14.6}  {:<7}  {fault}",
+        known.position.map_or(f64::NAN, Position::radians),
+        known.velocity.map_or(f64::NAN, Velocity::radians),
+        holder(known),
+    )
+}
+
+/// An axis's state, by CiA 402's name.
+pub fn state(known: &KnownAxis) -> &'static str {
+    known.state.map_or("unknown", State::name)
+}
+
+/// Which session holds an axis.
+pub fn holder(known: &KnownAxis) -> String {
+    match known.session {
+        None | Some(0) => String::from("nobody"),
+        Some(session) => format!("{session:#06x}"),
+    }
+}
+
+/// What is known of an axis, for other programs.
+pub fn document(axis: AxisId, known: &KnownAxis) -> serde_json::Value {
     json!({
         "axis": axis.get(),
         "state": known.state.map(State::name),
