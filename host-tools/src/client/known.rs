@@ -225,8 +225,11 @@ impl KnownNode {
     }
 }
 
+/// Halves that are kept of one axis id: who listens for days to forged ones runs out of no memory.
+const MOST_HALVES: usize = 64;
+
 fn add(halves: &mut Vec<[u8; 6]>, half: [u8; 6]) {
-    if !halves.contains(&half) {
+    if halves.len() < MOST_HALVES && !halves.contains(&half) {
         halves.push(half);
     }
 }
@@ -253,5 +256,17 @@ mod tests {
             known.learn(&report, BusTime(0));
             assert_eq!(known.moving, Some(moving));
         }
+    }
+
+    #[test]
+    fn forged_chips_are_told_and_not_all_kept() {
+        let mut node = KnownNode::new(AxisId::new(1).expect("1 to 63"));
+        for number in 0..1_000u16 {
+            let [low, high] = number.to_le_bytes();
+            node.learn(IdentityPart::ChipFirst([low, high, 0, 0, 0, 0]));
+            node.learn(IdentityPart::ChipLast([low, high, 0, 0, 0, 0]));
+        }
+        assert!(node.is_doubled());
+        assert_eq!(node.chips().len(), MOST_HALVES);
     }
 }
