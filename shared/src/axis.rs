@@ -296,7 +296,9 @@ impl Axis {
             && departure.start <= tick
         {
             self.departure = None;
-            self.telemetry.started(departure.sequence, now);
+            // When a tick is due is known to 1 us: one that came early by that began no earlier for it.
+            let time = now.max(departure.start.time());
+            self.telemetry.started(departure.sequence, time);
         }
         self.telemetry.tick(tick, &self.settings);
         self.setpoint

@@ -238,8 +238,7 @@ impl<D: Drive, const AXES: usize> Node<D, AXES> {
 
     /// The instant that a tick which is run at `now` is for, where it is on time.
     fn instant_of(&self, now: LocalTime) -> BusTime {
-        self.clock
-            .bus_time(LocalTime(now.0.wrapping_add(TICK_LEAD)))
+        BusTime(self.clock.bus_time(now).0.wrapping_add(TICK_LEAD))
     }
 
     /// Takes a frame that arrived at `now`. The node must not be given what it sends itself: what
