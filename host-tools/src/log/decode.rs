@@ -8,7 +8,7 @@ use canter_shared::wire::layout::{Choices, Field, Layout, Sender};
 
 use crate::dbc::{choices, message_name};
 
-/// Decimals of a number without a unit in a text: they are whole.
+/// The most decimals that a text shows.
 const MOST_DECIMALS: u32 = 9;
 
 /// The value of a field.

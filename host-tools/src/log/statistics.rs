@@ -93,8 +93,8 @@ impl Traffic {
         }
     }
 
-    /// The part of the fullest tenth of a second that was taken. A log begins and ends within one, so that
-    /// this is no less than the truth, and frames that end in it may have begun before.
+    /// The part of the fullest tenth of a second that was taken, of those that begin at whole tenths: one that
+    /// begins between may be fuller.
     pub fn peak_load(&self, bitrate: Bitrate) -> f64 {
         let most = self.windows.values().max().copied().unwrap_or(0);
         most as f64 * SECOND / (WINDOW as f64 * f64::from(bitrate.bits_per_second()))
@@ -130,7 +130,6 @@ impl Statistics {
 mod tests {
     use super::*;
 
-    /// A SYNC of zeros is 108 bits and 22 of stuffing at most; what matters is that it is the simulator's count.
     #[test]
     fn load_is_bits_over_time() {
         let frame = Frame::new(0x40, &[0; 8]).expect("a SYNC");

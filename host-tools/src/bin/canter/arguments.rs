@@ -20,7 +20,7 @@ pub use path::{Path, PathFormat};
 pub use profile::{Compare, CompareFormat, Plan, PlanFormat, ShaperArgument};
 pub use watch::Watch;
 
-use canter::bus::{Address, AddressError};
+use canter::bus::{Address, AddressError, Bitrate};
 use canter::client::{ChipId, ChipIdError, Goal, Target};
 use canter::notation::{AxisList, angle, parse_axes, rate, seconds};
 use canter::soak::Faults;
@@ -153,6 +153,11 @@ pub struct Soak {
     /// Play such a log again instead.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["seed", "hours", "faults", "axes", "threads"])]
     pub replay: Option<PathBuf>,
+}
+
+fn bitrate(text: &str) -> Result<Bitrate, String> {
+    let rate = text.parse().ok().and_then(Bitrate::from_bits_per_second);
+    rate.ok_or_else(|| String::from("write a usual bit rate, such as 1000000, 500000 or 250000"))
 }
 
 fn hours(text: &str) -> Result<f64, String> {

@@ -1,5 +1,6 @@
 //! The command line of `gait`.
 
+use super::bitrate;
 use canter::bus::Bitrate;
 use canter::gait::{Body, Gait, Kind, LEGS, Quadruped, Request};
 use canter::notation::{angle, seconds};
@@ -128,11 +129,6 @@ pub struct GaitRun {
     /// says.
     #[arg(long, value_name = "RATE", value_parser = bitrate)]
     pub bitrate: Option<Bitrate>,
-}
-
-pub(super) fn bitrate(text: &str) -> Result<Bitrate, String> {
-    let rate = text.parse().ok().and_then(Bitrate::from_bits_per_second);
-    rate.ok_or_else(|| String::from("write a usual bit rate, such as 1000000, 500000 or 250000"))
 }
 
 impl GaitOptions {

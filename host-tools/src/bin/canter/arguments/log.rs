@@ -3,7 +3,7 @@
 use canter::bus::Bitrate;
 use clap::{Args, Subcommand};
 
-use super::gait::bitrate;
+use super::bitrate;
 
 #[derive(Args)]
 pub struct LogArguments {
